@@ -8,15 +8,14 @@
 
 // Work-item i: ray i of the queue and the virtual light vertex_list[number]. Writes connection_rays[i], inactive where
 // there is no light, and connections[i], w: connection_path(), and connection_paths[i], the light path.
-__kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
-                             uint sample_index, uint number, __global const PathVertex* restrict vertices,
-                             GLOSS_PARAMETER(vertex_densities) __global const uint* restrict vertex_list,
-                             __global const Ray* restrict rays, __global const Hit* restrict hits,
-                             __global const uint* restrict queue, __global const uint* restrict active,
-                             __global EyePathState* restrict states, __global const float* restrict eye_mis,
-                             LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict connection_rays,
-                             __global float4* restrict connections, __global uint* restrict connection_paths,
-                             uint slice_base) {
+__kernel LUCARIUM_FLATTEN void connect_to_all(
+    LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings, uint sample_index, uint number,
+    __global const PathVertex* restrict vertices,
+    GLOSS_PARAMETER(vertex_densities) __global const uint* restrict vertex_list, __global const Ray* restrict rays,
+    __global const Hit* restrict hits, __global const uint* restrict queue, __global const uint* restrict active,
+    __global EyePathState* restrict states, __global const float* restrict eye_mis,
+    LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict connection_rays,
+    __global float4* restrict connections, __global uint* restrict connection_paths, uint slice_base) {
   const uint i = slice_base + (uint)get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);

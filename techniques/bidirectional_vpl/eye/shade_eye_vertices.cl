@@ -107,25 +107,23 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 // connections[i], w: connection_path(); the rays are inactive where there is none. connections[i].w is NONE where no
 // virtual light was to be chosen. connection_paths[i]: the light path of the connection, light_numbers[i]: the light of
 // the sample.
-__kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
-                                 uint sample_index, __global const PathVertex* restrict vertices,
-                                 GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices)
-                                     __global const uint* restrict vertex_list,
-                                 __global const uint* restrict vertex_count,
-                                 __global const float* restrict candidate_table, uint table_capacity,
-                                 __global const float* restrict shares, __global const Ray* restrict rays,
-                                 __global const Hit* restrict hits, __global const uint* restrict queue,
-                                 __global const uint* restrict active, __global EyePathState* restrict states,
-                                 __global float* restrict eye_mis, __global float4* restrict sample,
-                                 LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
-                                     LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
-                                 __global uint* restrict next_queue, __global uint* restrict alive,
-                                 __global Ray* restrict light_rays, __global float4* restrict light_samples,
+__kernel LUCARIUM_FLATTEN void shade_eye_vertices(
+    LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings, uint sample_index,
+    __global const PathVertex* restrict vertices,
+    GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices) __global const uint* restrict vertex_list,
+    __global const uint* restrict vertex_count, __global const float* restrict candidate_table, uint table_capacity,
+    __global const float* restrict shares, __global const Ray* restrict rays, __global const Hit* restrict hits,
+    __global const uint* restrict queue, __global const uint* restrict active, __global EyePathState* restrict states,
+    __global float* restrict eye_mis, __global float4* restrict sample,
+    LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
+        LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
+    __global uint* restrict next_queue, __global uint* restrict alive, __global Ray* restrict light_rays,
+    __global float4* restrict light_samples,
 #ifdef EYE_LIGHT_MAPS
-                                 __global uint* restrict light_numbers,
+    __global uint* restrict light_numbers,
 #endif
-                                 __global Ray* restrict connection_rays, __global float4* restrict connections,
-                                 __global uint* restrict connection_paths, uint slice_base) {
+    __global Ray* restrict connection_rays, __global float4* restrict connections,
+    __global uint* restrict connection_paths, uint slice_base) {
   const uint i = slice_base + (uint)get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);

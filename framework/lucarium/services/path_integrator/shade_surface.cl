@@ -167,15 +167,14 @@ bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk*
 
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i];
 // shadow_rays[i] is inactive where there is no light sample.
-__kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, PathBatch batch,
-                            __global const Ray* restrict rays, __global const Hit* restrict hits,
-                            __global const uint* restrict queue, __global const uint* restrict active,
-                            __global float4* restrict path_throughput, __global PathState* restrict path_state,
-                            __global float4* restrict path_radiance,
-                            LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends)
-                                __global Ray* restrict next_rays,
-                            __global uint* restrict next_queue, __global uint* restrict alive,
-                            __global Ray* restrict shadow_rays, __global float4* restrict shadow_light) {
+__kernel LUCARIUM_FLATTEN void shade_surface(
+    LUCARIUM_SCENE_PARAMETERS PathSettings settings, PathBatch batch, __global const Ray* restrict rays,
+    __global const Hit* restrict hits, __global const uint* restrict queue, __global const uint* restrict active,
+    __global float4* restrict path_throughput, __global PathState* restrict path_state,
+    __global float4* restrict path_radiance,
+    LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends) __global Ray* restrict next_rays,
+    __global uint* restrict next_queue, __global uint* restrict alive, __global Ray* restrict shadow_rays,
+    __global float4* restrict shadow_light) {
   const uint i = get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
