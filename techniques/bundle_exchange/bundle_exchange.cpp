@@ -116,18 +116,21 @@ class BundleExchange : public TechniqueBase<Parameters> {
  protected:
   // ---- the loop over directions
 
-  /// An iteration: light samples for some texels, some directions, a camera sample, which alone changes the image;
-  /// behind it some iterations of a camera sample only (eye_share). What a cancelled one has completed is kept; the
-  /// next goes on from there.
+  /// An iteration: light samples for some texels, some directions, and where these have earned it (eye_share) a camera
+  /// sample, which alone changes the image; behind it iterations of a camera sample only, where they have earned more.
+  /// What a cancelled one has completed is kept; the next goes on from there.
   bool step() override {
     BundleParts& parts = *parts_;
     if (!step_.begun) begin_step();
-    if (!step_.seen && !parts.camera->begin_sample()) return false;
+    if (step_.eye && !step_.seen && !parts.camera->begin_sample()) return false;
     step_.seen = true;
-    if (!sample_texels() || !exchange_directions() || !parts.camera->sample()) return false;
-    if (!step_.eye_only && shows_preview() && !parts.preview->smooth()) return false;
-    parts.commit_sample(shows_all());
-    eye_samples_left_ = step_.eye_only ? eye_samples_left_ - 1 : step_.eye_samples - 1;
+    if (!sample_texels() || !exchange_directions()) return false;
+    if (step_.eye) {
+      if (!parts.camera->sample()) return false;
+      if (!step_.eye_only && shows_preview() && !parts.preview->smooth()) return false;
+      parts.commit_sample(shows_all());
+    }
+    eye_earned_ = std::max(0.0, step_.eye_earned - (step_.eye ? 1 : 0));
     step_ = {};
     return true;
   }
@@ -136,21 +139,21 @@ class BundleExchange : public TechniqueBase<Parameters> {
     const Phase now = phase();
     IterationResult result;
     result.samples = parts_->camera->samples();
-    // Of the exchange alone: what it has found is kept when the camera moves.
-    result.progress = now == Phase::light ? 0 : now == Phase::done ? 1 : exchange_progress(parameters_, directions_);
+    result.progress = progress_of(now, parameters_, directions_);
     const bool seen = has_samples(parameters_, parts_->camera->atlas_samples());
     result.light_done = now == Phase::done && !wants_light() && !light_rests();
     result.converged = result.light_done && seen;
     result.phase = result.converged ? why_converged(parameters_, parts_->means, directions_, exchanges(),
                                                     parts_->camera->atlas_samples())
-                                    : describe(now);
+                                    : describe(now, parts_->means);
     return result;
   }
 
   void write(Film& film) override { parts_->write(film, shows_preview()); }
 
   void restart() override {
-    directions_ = gathers_ = eye_samples_left_ = 0;
+    directions_ = gathers_ = 0;
+    eye_earned_ = 0;
     step_ = {};
     batch_ = {};
     const bool has_history = parts_->specular && parts_->specular->has_history();
@@ -169,7 +172,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (!parts_) return false;
     if (change.only_camera()) {
       step_ = {};
-      gathers_ = eye_samples_left_ = 0;                        // the picture's own directions
+      gathers_ = 0;  // the picture's own directions
+      eye_earned_ = 0;
       std::unique_ptr<BundleParts> parts = std::move(parts_);  // lost where memory does not suffice for another size
       const bool kept = parts->set_frame(context(), parameters_, seed());
       parts_ = std::move(parts);
@@ -246,11 +250,6 @@ class BundleExchange : public TechniqueBase<Parameters> {
            parts_->camera->pixel_gather();
   }
 
-  std::string describe(Phase now) const {
-    if (now == Phase::light) return "light";
-    return parts_->means.reflected_light_done() ? "direct light" : "exchange";
-  }
-
   // ---- an iteration
 
   /// Directions so far, those of pixels only included.
@@ -262,16 +261,18 @@ class BundleExchange : public TechniqueBase<Parameters> {
   }
 
   void begin_step() {
-    step_ = {.begun = true, .eye_only = eye_samples_left_ > 0, .begin = position(), .end = position()};
-    if (step_.eye_only) return;
+    const bool eye_only = eye_earned_ >= 1;
+    step_ = {.begun = true, .eye_only = eye_only, .eye = eye_only, .eye_earned = eye_earned_};
+    step_.begin = step_.end = position();
+    if (eye_only) return;
     step_.end = end_of_iteration();
     step_.light_runs = parts_->side_light.runs();
     const WorkUnits units = work_units(parts_->atlas->info().texel_count, parts_->side_light.run_length(),
                                        scene().triangle_count(), parts_->camera->pixels());
-    // None more while there is no indirect light at all.
-    if (phase() == Phase::light || phase() == Phase::done) return;
-    step_.eye_samples =
-        eye_samples_per_step(parameters_, units, step_.end - step_.begin, wants_light() ? step_.light_runs : 0);
+    const bool lit = phase() != Phase::light;
+    step_.eye_earned += earned_eye_samples(parameters_, units, lit ? step_.end - step_.begin : 0,
+                                           wants_light() ? step_.light_runs : 0, lit);
+    step_.eye = step_.eye_earned >= 1 || parts_->camera->samples() == 0 || phase() == Phase::done;
   }
 
   uint32_t next_batch() const {
@@ -382,7 +383,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   uint64_t directions_ = 0, gathers_ = 0;
   uint64_t atlas_texels_ = 0, automatic_texels_ = 0;  ///< wanted of the atlas; by texels=0, of the largest image so far
   IterationStep step_;
-  uint32_t eye_samples_left_ = 0;  ///< iterations of a camera sample only that come next
+  double eye_earned_ = 0;  ///< camera samples that the work so far has earned
   BatchStep batch_;
   DirectionSequence sequence_{{}, 1};
   std::unique_ptr<BundleParts> parts_;

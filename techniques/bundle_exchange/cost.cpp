@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "lucarium/services/texel_sides/side_accessibility.h"
-#include "lucarium/technique/work_share.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -20,7 +19,7 @@ constexpr double kTexelSeconds = 8e-8;          // a texel, in a direction
 constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a direction
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kFirstDirections = 64;         // that give a picture
-constexpr uint32_t kMaxEyeSamples = 256;        // of a step
+constexpr double kMaxEyeSamples = 256;          // of a step
 constexpr double kLightSampleSeconds = 3e-7;    // a light sample of a texel side
 
 }  // namespace
@@ -49,11 +48,14 @@ WorkUnits work_units(uint32_t sides, uint32_t light_run, size_t triangles, uint3
           pixels * kPixelSeconds};
 }
 
-uint32_t eye_samples_per_step(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
-                              uint32_t light_runs) {
-  if (parameters.pixel_rays == PixelRays::bundle) return 1;
+double earned_eye_samples(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
+                          uint32_t light_runs, bool lit) {
+  const auto share = static_cast<double>(parameters.eye_share);
+  if (parameters.pixel_rays == PixelRays::bundle || share == 0) return 1;
   const double other = static_cast<double>(directions) * units.direction + light_runs * units.light_run;
-  return units_for_share(static_cast<double>(parameters.eye_share), other, units.eye_sample, kMaxEyeSamples);
+  const double at_share = share / (1 - share) * other / units.eye_sample;
+  if (!lit) return std::min(1.0, at_share);
+  return std::min(kMaxEyeSamples, std::max(at_share, std::min(1.0, other / units.eye_sample)));
 }
 
 std::vector<ParameterSaving> savings() {

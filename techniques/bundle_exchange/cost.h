@@ -21,10 +21,12 @@ struct WorkUnits {
 /// `sides`: of all texels; `light_run`: texel sides of a run.
 WorkUnits work_units(uint32_t sides, uint32_t light_run, size_t triangles, uint32_t pixels);
 
-/// Camera samples for so many directions and runs of light samples: `eye_share` of all work is theirs, so that what is
-/// cheap, direct light and edges, does not wait for what is dear. Pixels that gather along bundles take one.
-uint32_t eye_samples_per_step(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
-                              uint32_t light_runs);
+/// Camera samples that so many directions and runs of light samples earn: `eye_share` of all work is theirs, so that
+/// what is cheap, direct light and edges, does not wait for what is dear. Dear ones get half of it, at most one at a
+/// time, but the share and no more before directions carry light (`lit`): then the picture lacks most of all. Pixels
+/// that gather along bundles take one each time, as with eye_share=0.
+double earned_eye_samples(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
+                          uint32_t light_runs, bool lit);
 
 /// What may be lowered for a budget: rays that measure accessibility, and texels.
 std::vector<ParameterSaving> savings();

@@ -37,8 +37,15 @@ bool is_accurate(const Parameters& parameters, const SideMeans& means, uint64_t 
          means.relative_error() < parameters.stop_error;
 }
 
-double exchange_progress(const Parameters& parameters, uint64_t directions) {
+double progress_of(Phase phase, const Parameters& parameters, uint64_t directions) {
+  if (phase == Phase::light) return 0;
+  if (phase == Phase::done) return 1;
   return parameters.directions > 0 ? static_cast<double>(directions) / parameters.directions : -1;
+}
+
+std::string describe(Phase phase, const SideMeans& means) {
+  if (phase == Phase::light) return "light";
+  return means.reflected_light_done() ? "direct light" : "exchange";
 }
 
 bool has_samples(const Parameters& parameters, uint64_t camera_samples) {

@@ -26,8 +26,9 @@ uint32_t directions_per_iteration(const Parameters& parameters, double largest_i
 struct IterationStep {
   bool begun = false, seen = false;
   bool eye_only = false;        ///< a camera sample and nothing else
+  bool eye = false;             ///< it has a camera sample
+  double eye_earned = 0;        ///< camera samples that are earned at its end, its own included
   uint32_t light_runs = 0;      ///< left to do
-  uint32_t eye_samples = 1;     ///< that its work is worth, its own included
   uint64_t begin = 0, end = 0;  ///< position() at first, and when it is done
 };
 
@@ -40,8 +41,12 @@ struct BatchStep {
 /// the end: both use up their directions.
 bool is_accurate(const Parameters& parameters, const SideMeans& means, uint64_t directions);
 
-/// How far the exchange is, 0…1; negative: unknown, without a limit.
-double exchange_progress(const Parameters& parameters, uint64_t directions);
+/// How far the exchange alone is, 0…1, since what it has found is kept when the camera moves; negative: unknown,
+/// without a limit.
+double progress_of(Phase phase, const Parameters& parameters, uint64_t directions);
+
+/// The phase for people: "light", "exchange".
+std::string describe(Phase phase, const SideMeans& means);
 
 /// Whether an image of so many camera samples has all that are wanted.
 bool has_samples(const Parameters& parameters, uint64_t camera_samples);

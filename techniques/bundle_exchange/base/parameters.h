@@ -125,9 +125,10 @@ struct Parameters {
              "running)");
     v.number("camera_samples", camera_samples, 0, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged; 0: it never does");
-    v.number("eye_share", eye_share, 0.f, 0.9f, "",
-             "share of the work that goes to samples of pixels; 0: only while directions are exchanged "
-             "(pixel_rays=bundle: always)");
+    v.number(
+        "eye_share", eye_share, 0.f, 0.9f, "",
+        "share of the work that goes to samples of pixels, half where one costs more than an iteration's directions; "
+        "0: one per iteration (pixel_rays=bundle: always)");
     v.presets({{"paper",
                 {{"batch", "1"},
                  {"eye_share", "0"},

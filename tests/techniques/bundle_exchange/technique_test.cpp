@@ -135,6 +135,24 @@ TEST_CASE("iterations can be cancelled anywhere, batches that several of them sh
   }
 }
 
+TEST_CASE("dear pixels do not delay light at texels and directions, which had one sample of them in each iteration") {
+  const auto run = session("bundle_exchange", load_scene("builtin:spheres"), SessionStart{.width = 2048},
+                           {{"texels", "4096"}, {"stop_error", "0"}});
+  const auto exchanged = [&] { return run->technique().counters().at("directions") > 0; };
+  uint64_t light = 0, exchange = 0;
+  for (run->iterate(); !exchanged(); run->iterate(), ++light) CHECK(run->last().samples == 1);
+  CHECK(light > 5);
+  const uint64_t before = run->last().samples;
+  for (; run->last().samples < before + 3; ++exchange) run->iterate();
+  CHECK(exchange > 3);
+  CHECK(exchange < 100);
+  const auto ended = session("bundle_exchange", load_scene("builtin:spheres"), SessionStart{.width = 2048},
+                             {{"texels", "1024"}, {"directions", "4"}});
+  ended->finish_light();
+  ended->run({.iterations = 3});
+  CHECK(ended->last().samples == 3);  // nothing else to do
+}
+
 TEST_CASE("a reset gives the bits of a new run, however many texels had to be measured first") {
   const Options options = {{"texels", "16384"}, {"direct_mode", "exchange"}};
   const auto used = session("bundle_exchange", load_scene("builtin:cornell"), -1, options);
