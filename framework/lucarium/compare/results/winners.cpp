@@ -2,6 +2,7 @@
 #include "lucarium/compare/results/winners.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/results/summary.h"
@@ -21,17 +22,20 @@ std::optional<double> deciding_value(const Summary& summary, const ComparisonBud
   return found->second.mean;
 }
 
+ConfidenceInterval inverse_of(const ConfidenceInterval& ratio) {
+  ConfidenceInterval inverse = ratio;
+  inverse.mean = 1 / ratio.mean;
+  inverse.low = 1 / ratio.high;
+  inverse.high = 1 / ratio.low;
+  return inverse;
+}
+
 /// Paired by seeds; without an interval where the pieces share none.
 ConfidenceInterval ratio_of(const Winner& winner, double best, double next, const std::vector<SummaryPair>& pairs) {
   for (const SummaryPair& pair : pairs) {
     if (pair.scene != winner.scene || pair.budget != winner.budget || pair.metric != winner.metric) continue;
     if (pair.a == winner.next && pair.b == winner.best) return pair.ratio;
-    if (pair.a != winner.best || pair.b != winner.next) continue;
-    ConfidenceInterval inverse = pair.ratio;
-    inverse.mean = 1 / pair.ratio.mean;
-    inverse.low = 1 / pair.ratio.high;
-    inverse.high = 1 / pair.ratio.low;
-    return inverse;
+    if (pair.a == winner.best && pair.b == winner.next) return inverse_of(pair.ratio);
   }
   ConfidenceInterval ratio;
   ratio.mean = next / best;
@@ -60,6 +64,10 @@ std::vector<Winner> find_winners(const ComparisonResult& result) {
       for (const size_t variant : {winner.best, winner.next})
         winner.resolved &= result.summaries.at({scene, variant, budget}).resolved;
       winner.ratio = ratio_of(winner, values[0].first, values[1].first, pairs);
+      if (winner.ratio.mean < 1) {  // a geometric mean, which may order two close ones otherwise than their means do
+        std::swap(winner.best, winner.next);
+        winner.ratio = inverse_of(winner.ratio);
+      }
       winners.push_back(std::move(winner));
     }
   }

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "lucarium/base/json.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -64,6 +66,23 @@ TEST_CASE("what seeds do not show is not said") {
   const ComparisonResult doubtful = example({4, 0, 0, 0}, 4, 3);
   CHECK_FALSE(find_winners(doubtful)[0].difference_shown());
   CHECK(describe_winners(doubtful).find("(no difference shown)") != std::string::npos);
+}
+
+TEST_CASE("of two close ones that is best that the pairs call so: the next one had 0.98 times its relMSE") {
+  ComparisonResult result = example({4, 0, 0, 0}, 2);
+  const auto set = [&](size_t variant, double first, double second) {
+    result.pieces[2 * variant].metrics["relMSE"] = first;
+    result.pieces[2 * variant + 1].metrics["relMSE"] = second;
+    result.summaries.at({0, variant, 0}).metrics["relMSE"].mean = (first + second) / 2;
+  };
+  set(1, 0.01, 0.04);    // mean 0.025, geometric mean 0.02
+  set(2, 0.02, 0.0245);  // mean 0.02225, geometric mean 0.0221
+  const Winner winner = find_winners(result).at(0);
+  CHECK(winner.best == 1);
+  CHECK(winner.next == 2);
+  CHECK(winner.ratio.mean == test::relative(std::sqrt(0.02 * 0.0245 / (0.01 * 0.04))));
+  CHECK_FALSE(winner.difference_shown());
+  CHECK(winner.ratio.low < 1);
 }
 
 TEST_CASE("what the reference cannot resolve is said") {
