@@ -66,8 +66,7 @@ std::vector<std::pair<std::string, std::string>> endless(const Parameters& param
 }
 
 std::string state_refusal(const Parameters& parameters) {
-  if (parameters.directions == 0 && parameters.stop_error == 0)
-    return "never ends to exchange light with directions=0 and stop_error=0; set one of them";
+  if (parameters.directions == 0) return "exchanges light for ever where directions=0; set them to 1 or more";
   if (parameters.pixel_rays == PixelRays::bundle)
     return "gathers along new bundles for every picture with pixel_rays=bundle; give pixel_rays=traced";
   if (parameters.debug_layers) return "shows the exchange itself with debug_layers=on; leave that out";

@@ -38,8 +38,8 @@ bool is_accurate(const Parameters& parameters, const SideMeans& means, uint64_t 
 }
 
 double progress_of(Phase phase, const Parameters& parameters, uint64_t directions) {
-  if (phase == Phase::light) return 0;
-  if (phase == Phase::done) return 1;
+  if (phase == Phase::done) return parameters.camera_samples > 0 ? 1 : -1;
+  if (phase == Phase::light || directions == 0) return 0;
   return parameters.directions > 0 ? static_cast<double>(directions) / parameters.directions : -1;
 }
 

@@ -41,8 +41,8 @@ struct BatchStep {
 /// the end: both use up their directions.
 bool is_accurate(const Parameters& parameters, const SideMeans& means, uint64_t directions);
 
-/// How far the exchange alone is, 0…1, since what it has found is kept when the camera moves; negative: unknown,
-/// without a limit.
+/// How far the exchange alone is, 0…1, since what it has found is kept when the camera moves; negative: unknown, as
+/// directions, or behind them samples of pixels, have no limit.
 double progress_of(Phase phase, const Parameters& parameters, uint64_t directions);
 
 /// The phase for people: "light", "exchange".

@@ -147,7 +147,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     result.samples = settled ? shown : 0;
     result.visible = view_->samples() > 0;
     result.light_done = settled && !light_rests();
-    result.progress = settled ? 1 : lit() ? field_->progress() : 0;
+    const double seen = parameters_.camera_samples > 0 ? 1 : -1;  // without a limit: unknown
+    result.progress = settled ? seen : lit() ? field_->progress() : 0;
     result.converged = result.light_done && parameters_.camera_samples > 0 &&
                        shown >= static_cast<uint32_t>(parameters_.camera_samples);
     result.phase = settled ? "walk" : lit() ? field_->phase() : "light";

@@ -106,7 +106,7 @@ void tell_first_picture(const BudgetArguments& arguments, const FirstPicture& pi
 TimeBudget planned_time(const BudgetArguments& arguments) {
   const double seconds =
       is_wall_time(arguments) ? std::max(arguments.wall_seconds - start_seconds, min_seconds) : arguments.seconds;
-  return {seconds, seconds > 0 || arguments.relmse > 0};
+  return {seconds, seconds > 0};
 }
 
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique) {

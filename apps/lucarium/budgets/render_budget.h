@@ -19,7 +19,8 @@ struct BudgetArguments {
   uint64_t work_iterations = 0;  ///< as RenderWork
 };
 
-/// What parameters are planned for: a budget of time or of error is used to its end.
+/// What parameters are planned for: a budget of time is used to its end. One of an error alone is not: who cannot get
+/// there must end.
 TimeBudget planned_time(const BudgetArguments& arguments);
 /// Says what was changed for that time, or that no change is enough.
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique);

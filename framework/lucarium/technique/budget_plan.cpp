@@ -100,13 +100,16 @@ std::vector<std::pair<std::string, std::string>> values_of(Technique& technique)
   return values;
 }
 
-/// Nothing where one of them is given: the user has said when it is to end.
+/// Nothing where a limit is given: the user has said when it is to end.
 std::vector<BudgetPlan::Change> lift_limits(Technique& technique, const std::set<std::string>& given) {
   std::vector<BudgetPlan::Change> lifted;
   const auto values = technique.endless();
-  const auto is_given = [&](const auto& value) { return given.contains(value.first); };
+  const auto is_given = [&](const auto& value) {
+    return given.contains(value.first) && technique.parameters().get(value.first) != value.second;
+  };
   if (std::any_of(values.begin(), values.end(), is_given)) return lifted;
   for (const auto& [name, value] : values) {
+    if (technique.parameters().get(name) == value) continue;
     lifted.push_back({name, technique.parameters().get(name), value});
     technique.parameters().set(name, value);
   }

@@ -181,6 +181,9 @@ TEST_CASE("a budget that must be used to its end lifts all limits, or none where
     CHECK(has_limits(planned({seconds, true}, {{"accuracy", "0.5"}})));
     CHECK(has_limits(planned({seconds, true}, {{"preset", "default"}})));
     CHECK_FALSE(has_limits(planned({seconds, true}, {{"points", "700"}})));
+    const Planned other = planned({seconds, true}, {{"accuracy", "0"}});  // given, and no limit
+    CHECK(other.parameters.find("rounds=0,accuracy=0") != std::string::npos);
+    CHECK(other.plan.lifted.size() == 1);
   }
 }
 

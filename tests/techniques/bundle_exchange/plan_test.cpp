@@ -53,6 +53,7 @@ TEST_CASE("light that is accurate ends an exchange without a limit; its pixels g
   run->run({.iterations = 3});
   CHECK(run->last().light_done);
   CHECK_FALSE(run->last().converged);
+  CHECK(run->last().progress == -1);
 }
 
 TEST_CASE("a time is used to its end; what divides a number of directions keeps that, and what shows a preview ends") {
@@ -79,7 +80,7 @@ TEST_CASE("without a number of directions nothing is divided among them, and no 
   }
   Parameters parameters;
   parameters.directions = 0;
+  CHECK(state_refusal(parameters).find("set them to 1 or more") != std::string::npos);
+  parameters.directions = 1;
   CHECK(state_refusal(parameters).empty());
-  parameters.stop_error = 0;
-  CHECK(state_refusal(parameters).find("never ends") != std::string::npos);
 }
