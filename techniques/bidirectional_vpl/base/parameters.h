@@ -20,7 +20,7 @@ enum class Strategy { all, hit, nee, vpl, splat };
 
 struct BidirectionalParameters {
   static constexpr int kMaxLightVertices = 16, kMaxCameraEdges = 64;
-  int light_vertices = 4, light_paths = 0, candidates = 32, camera_edges = 2, beta = 1;
+  int light_vertices = 4, light_paths = 0, candidates = 32, camera_edges = 4, beta = 1;
   int bundles = 21, bundle_res = 256;
   BundleMode bundle_mode = BundleMode::rays;
   Directions directions = Directions::bsdf;

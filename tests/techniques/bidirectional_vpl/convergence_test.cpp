@@ -99,7 +99,9 @@ void check_course(const Course& course) {
 }  // namespace
 
 TEST_CASE("errors fall as one over the samples, and no bias is left") {
-  if (!full_run()) return check_course({"builtin:cornell", {}, 4, 8, 128, 128, 1e-2});
+  // The first samples of a pixel are spread evenly (Sobol points): until about 64 errors fall faster, path_tracing's
+  // alike. `adapt` would change the noise of a sample on the way.
+  if (!full_run()) return check_course({"builtin:cornell", {{"adapt", "off"}}, 8, 64, 1024, 512, 1e-3});
   // From where `adapt` has decided.
   check_course({"builtin:cornell", {}, 10, 512, 32768, 16384, 1e-5});
   check_course({"builtin:room", {}, 10, 512, 16384, 16384, 1e-5});
