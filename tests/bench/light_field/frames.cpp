@@ -19,29 +19,7 @@
 namespace lucarium::bench {
 namespace {
 
-constexpr uint32_t kFrames = 16;       // of a walk
 constexpr uint32_t kPicturesEach = 8;  // of a contestant and round, so that a round takes long enough to be measured
-
-SceneCamera camera_of_frame(const Scene& scene, uint32_t frame, uint32_t frames) {
-  const auto& keys = scene.camera_paths.front().keys;
-  const double first = keys.front().seconds, last = keys.back().seconds;
-  return camera_on_path(scene.camera_paths.front(), first + (last - first) * frame / (frames - 1));
-}
-
-/// A session whose light is finished, one sample of pixels at a time.
-std::unique_ptr<RenderSession> settled(const Scene& scene, const Sizes& sizes, const Parameters& parameters,
-                                       int max_bounces = -1) {
-  auto session = make_session("virtual_light_field", scene, sizes.width, parameters, max_bounces);
-  session->finish_light();
-  return session;
-}
-
-/// The next frame of a walk, of one sample.
-void next_frame(RenderSession& session, uint32_t* frame) {
-  session.set_camera(camera_of_frame(session.scene(), (*frame)++ % kFrames, kFrames));
-  session.run({.samples = 1});
-  session.scheduler().finish();
-}
 
 /// A frame beside a path-traced one, and beside the camera's rays.
 void measure_walk(Bars& bars, const Sizes& sizes) {
