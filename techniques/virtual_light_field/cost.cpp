@@ -121,8 +121,8 @@ std::vector<ParameterSaving> savings() {
 
 size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scene& scene,
                       const RenderSettings& settings) {
-  const size_t view = FieldView::estimate_bytes(settings.width, settings.height, plan.traced && plan.field,
-                                                plan.field && parameters.inspect_line >= 0);
+  const size_t view =
+      FieldView::estimate_bytes(settings.width, settings.height, FieldView::make_options(plan, parameters));
   if (!plan.field) return view;
   const size_t sides = SurfaceAtlas::expected_sides(scene, plan.atlas);
   const size_t always = SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + SideLight::estimate_bytes(sides);

@@ -44,7 +44,7 @@
 //                                                       exchange/perturbed_ends.clh: facet_sends(), add_to_cell()
 //   section 4, rendering, barycentric weights           directions/direction_grid.clh: look_up_direction();
 //                                                       tiles/field_lookup.clh: facet_radiance();
-//                                                       pixels/show_field.cl: show_field()
+//                                                       pixels/shown_field.clh: add_shown()
 //
 // Not in the source: the painter's algorithm with Newell's sort, merging and BSP trees (section 3.2), since
 // lucarium/services/layered_raster sorts the fragments of each pixel.
@@ -223,15 +223,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   /// Of the image's size, with no sample.
   void make_view() {
     view_.reset();  // its memory first
-    FieldView::Options options;
-    options.eye_kinds = plan_.eye_kinds;
-    options.lobes = parameters_.eye_glossy == EyeLobes::vlf;
-    options.first_surface = plan_.first_surface;
-    options.traced = plan_.traced && plan_.field;
-    options.nearest = parameters_.eye_interp == EyeInterpolation::nearest;
-    options.fold = plan_.fold;
-    options.max_bounces = plan_.max_bounces;
-    options.inspect_line = parameters_.inspect_line;
+    FieldView::Options options = FieldView::make_options(plan_, parameters_);
     options.reach = depth_beyond(scene().bounds());
     view_ = std::make_unique<FieldView>(device(), scheduler(), scene_buffers(), bvh(),
                                         surfaces_ ? &surfaces_->atlas : nullptr,

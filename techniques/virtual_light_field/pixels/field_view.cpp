@@ -11,6 +11,11 @@ namespace {
 
 constexpr uint32_t kStream = 0x77616c6b;
 
+std::vector<std::string> layers(bool walks) {
+  return walks ? std::vector<std::string>{"emission", "direct", "indirect"}
+               : std::vector<std::string>{"direct", "indirect"};
+}
+
 }  // namespace
 
 FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
@@ -21,9 +26,13 @@ FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuff
       options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      eye_(device, scheduler, scene, intersector, frame, technique_name, options.eye_kinds, 1, options.first_surface),
-      sums_(device, technique_name, pixels_, {"direct", "indirect"}),
+      sums_(device, technique_name, pixels_, layers(options.walks())),
       traced_(device, technique_name, "light of rays", options.traced ? 2 * size_t{pixels_} : 2, remedies::lower_size) {
+  if (options.walks())
+    rays_ = std::make_unique<CameraRays>(device, scheduler, intersector, frame, technique_name);
+  else
+    eye_ = std::make_unique<EyeLight>(device, scheduler, scene, intersector, frame, technique_name, options.eye_kinds,
+                                      1, options.first_surface);
   if (!field) return;
   side_albedo_ = TypedBuffer<float4>(device, technique_name, "specular albedo of texel sides", patches->side_albedo,
                                      remedies::lower_texels);
@@ -37,11 +46,26 @@ FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuff
       std::make_unique<SubfieldView>(device, scheduler, scene, intersector, *atlas, side_albedo_, scale_, *field, line);
 }
 
-size_t FieldView::estimate_bytes(uint32_t width, uint32_t height, bool traced, bool subfield) {
+FieldView::Options FieldView::make_options(const Plan& plan, const Parameters& parameters) {
+  Options options;
+  options.eye_kinds = plan.eye_kinds;
+  options.lobes = parameters.eye_glossy == EyeLobes::vlf;
+  options.first_surface = plan.field && (plan.first_surface || !plan.lobes);
+  options.traced = plan.traced && plan.field;
+  options.nearest = parameters.eye_interp == EyeInterpolation::nearest;
+  options.fold = plan.fold;
+  options.max_bounces = plan.max_bounces;
+  options.inspect_line = plan.field ? parameters.inspect_line : -1;
+  return options;
+}
+
+size_t FieldView::estimate_bytes(uint32_t width, uint32_t height, const Options& options) {
   const size_t pixels = size_t{width} * height;
-  return EyeLight::estimate_bytes(width, height) + LayerSums::estimate_bytes(pixels, 2) +
-         (subfield ? SubfieldView::estimate_bytes(pixels) : 0) +
-         (traced ? 2 * pixels * sizeof(float4) + SpecularChains::estimate_bytes(pixels) : 0);
+  size_t bytes = LayerSums::estimate_bytes(pixels, layers(options.walks()).size());
+  bytes += options.walks() ? CameraRays::estimate_bytes(width, height) : EyeLight::estimate_bytes(width, height);
+  if (options.inspect_line >= 0) bytes += SubfieldView::estimate_bytes(pixels);
+  if (options.traced) bytes += 2 * pixels * sizeof(float4) + SpecularChains::estimate_bytes(pixels);
+  return bytes;
 }
 
 void FieldView::bind_lookups(PassBuilder& pass, const SurfaceAtlas& atlas) const {
@@ -75,7 +99,7 @@ void FieldView::make_chains(Device& device, const SceneBuffers& scene, const Int
   PassBuilder begin = recorder.pass("begin rays of lobes", program, "begin_rays");
   scene.bind(begin);
   begin.global(pixels_)
-      .arg("points", eye_.points())
+      .arg("points", eye_->points())
       .arg("count", pixels_)
       .arg("settings", settings_)
       .arg("light", traced_)
@@ -86,34 +110,42 @@ void FieldView::make_chains(Device& device, const SceneBuffers& scene, const Int
   begin_ = recorder.compile();
 }
 
-void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atlas) {
-  const Program program = make_field_program(scene.scene_triangles.device(), "pixels/show_field");
-  ScheduleRecorder recorder = scheduler_->record("show field", technique_name);
-  weight_ = recorder.variable("weight", 1.f);
-  PassBuilder pass = recorder.pass("show field", program, "show_field");
-  scene.bind(pass);
+void FieldView::bind_shown(PassBuilder& pass, const SurfaceAtlas& atlas) const {
   bind_lookups(pass, atlas);
-  pass.global(pixels_)
-      .arg("inverse_scale", scale_)
-      .arg("points", eye_.points())
-      .arg("count", pixels_)
-      .arg("weight", weight_)
+  pass.arg("inverse_scale", scale_)
       .arg("lobes", options_.lobes ? 1u : 0u)
       .arg("mirrors", options_.first_surface ? 1u : 0u)
-      .arg("rays", options_.traced ? 1u : 0u)
       .arg("atlas_direct", options_.eye_kinds == 0 ? 1u : 0u)
       .arg("shown_direct", field_->shown_direct())
-      .arg("shown", field_->shown())
-      .arg("traced", traced_)
+      .arg("shown", field_->shown());
+}
+
+void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atlas) {
+  const std::string kernel = rays_ ? "walk_field" : "show_field";
+  const Program program = make_field_program(scene.scene_triangles.device(), "pixels/" + kernel);
+  ScheduleRecorder recorder = scheduler_->record("show field", technique_name);
+  weight_ = recorder.variable("weight", 1.f);
+  shows_ = recorder.variable("shows", 0u);
+  PassBuilder pass = recorder.pass("show field", program, kernel);
+  scene.bind(pass);
+  bind_shown(pass, atlas);
+  pass.global(pixels_)
+      .arg("count", pixels_)
+      .arg("weight", weight_)
       .arg("direct_layer", sums_["direct"])
       .arg("indirect_layer", sums_["indirect"]);
+  if (rays_)
+    pass.arg("rays", rays_->rays()).arg("hits", rays_->hits()).arg("shows", shows_).arg("emission", sums_["emission"]);
+  else
+    pass.arg("points", eye_->points()).arg("rays", options_.traced ? 1u : 0u).arg("traced", traced_);
   show_ = recorder.compile();
 }
 
 bool FieldView::shows_field() const { return field_ && field_->shown_sweeps() > 0; }
 
 bool FieldView::sample() {
-  if (!eye_.see(samples_) || !eye_.sample(samples_)) return false;
+  if (rays_) return rays_->trace(samples_);
+  if (!eye_->see(samples_) || !eye_->sample(samples_)) return false;
   if (!chains_ || !shows_field()) return true;
   scale_.upload({1 / field_->scale()});
   ChainSettings settings{};
@@ -128,16 +160,19 @@ bool FieldView::sample() {
 
 void FieldView::commit() {
   ++samples_;
-  eye_.commit();
-  if (!shows_field()) return;
-  const bool grown = shown_sweeps_ != field_->shown_sweeps();
+  if (eye_) eye_->commit();
+  const bool shows = shows_field();
+  const bool grown = shows && shown_sweeps_ != field_->shown_sweeps();
   if (grown) field_samples_ = 0;
-  shown_sweeps_ = field_->shown_sweeps();
-  ++field_samples_;
-  scheduler_->finish();
-  scale_.upload({1 / field_->scale()});
-  show_.set(weight_, 1.f / static_cast<float>(field_samples_));
-  scheduler_->run_to_end(show_);
+  if (shows) {
+    shown_sweeps_ = field_->shown_sweeps();
+    ++field_samples_;
+    scheduler_->finish();
+    scale_.upload({1 / field_->scale()});
+    show_.set(weight_, 1.f / static_cast<float>(field_samples_));
+  }
+  if (rays_) show_.set(shows_, shows ? 1u : 0u);
+  if (shows || rays_) scheduler_->run_to_end(show_);
   if (subfield_ && grown) subfield_->show();
 }
 
@@ -151,13 +186,18 @@ void FieldView::set_frame(const Frame& frame) {
   const uint32_t seed = frame_.seed;
   frame_ = frame;
   frame_.seed = seed;
-  eye_.set_frame(frame_);
+  if (eye_) eye_->set_frame(frame_);
+  if (rays_) {
+    rays_->set_frame(frame_);
+    scheduler_->finish();
+  }
   sums_.clear();
   samples_ = field_samples_ = shown_sweeps_ = 0;
 }
 
 void FieldView::warm_up() {
-  eye_.warm_up();
+  if (eye_) eye_->warm_up();
+  if (rays_) rays_->warm_up();
   if (chains_) {
     scheduler_->warm_up(begin_);
     chains_->warm_up();
@@ -167,7 +207,7 @@ void FieldView::warm_up() {
 }
 
 void FieldView::resolve(Film& film) const {
-  eye_.write(film);
+  if (eye_) eye_->write(film);
   sums_.write(film);
   if (subfield_) subfield_->write(film);
 }

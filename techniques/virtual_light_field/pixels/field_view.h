@@ -3,7 +3,10 @@
 #include <memory>
 
 #include "lucarium/services/eye_light/eye_light.h"
+#include "lucarium/services/gbuffer/camera_rays.h"
 #include "lucarium/services/specular_chains/specular_chains.h"
+#include "virtual_light_field/base/parameters.h"
+#include "virtual_light_field/base/plan.h"
 #include "virtual_light_field/field/light_field.h"
 #include "virtual_light_field/pixels/subfield_view.h"
 
@@ -16,9 +19,11 @@ class FieldView {
   struct Options {
     uint32_t eye_kinds = 0;      ///< of light samples; 0: the atlas has direct light
     bool lobes = false;          ///< specular lobes are looked up at pixels
-    bool first_surface = false;  ///< mirrors and glass are looked up at pixels
+    bool first_surface = false;  ///< mirrors and glass, where there are some, are looked up at pixels
     bool traced = false;         ///< rays follow them
-    bool nearest = false;        ///< eye_interp
+    /// Pixels show the first surface's emission and look-ups alone.
+    bool walks() const { return eye_kinds == 0 && first_surface && !traced; }
+    bool nearest = false;  ///< eye_interp
     bool fold = true;
     int max_bounces = -1;
     int inspect_line = -1;  ///< shown as layer `subfield`; -1: none
@@ -41,10 +46,13 @@ class FieldView {
   uint32_t field_samples() const { return field_samples_; }  ///< of them, those that show the field as it is
   uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
   void resolve(Film& film) const;
-  static size_t estimate_bytes(uint32_t width, uint32_t height, bool traced, bool subfield);
+  /// All but `reach`.
+  static Options make_options(const Plan& plan, const Parameters& parameters);
+  static size_t estimate_bytes(uint32_t width, uint32_t height, const Options& options);
 
  private:
   void record_field(const SceneBuffers& scene, const SurfaceAtlas& atlas);
+  void bind_shown(PassBuilder& pass, const SurfaceAtlas& atlas) const;
   void make_chains(Device& device, const SceneBuffers& scene, const Intersector& intersector,
                    const SurfaceAtlas& atlas);
   void bind_lookups(PassBuilder& pass, const SurfaceAtlas& atlas) const;
@@ -55,12 +63,14 @@ class FieldView {
   Options options_;
   Frame frame_;
   uint32_t pixels_, samples_ = 0, field_samples_ = 0, shown_sweeps_ = 0;
-  EyeLight eye_;
-  LayerSums sums_;  ///< means of what the field shows
+  std::unique_ptr<EyeLight> eye_;     ///< null where pixels walk,
+  std::unique_ptr<CameraRays> rays_;  ///< and this else
+  LayerSums sums_;                    ///< means of what the field shows; where pixels walk, of emission, too
   TypedBuffer<float4> traced_, side_albedo_;
   std::unique_ptr<SpecularChains> chains_;  ///< null where no ray is sent
   std::unique_ptr<SubfieldView> subfield_;  ///< null where no line is shown
   Schedule begin_, show_;
+  Variable<uint32_t> shows_;
   Variable<ChainSettings> settings_;
   Variable<float> weight_;
   TypedBuffer<float> scale_;  ///< one: 1 / LightField::scale()

@@ -57,7 +57,7 @@ double look_up_seconds(RenderSession& session, uint32_t frames) {
   session.scheduler().finish();
   double seconds = 0;
   for (const PassProfile& pass : session.scheduler().profile().passes)
-    if (pass.kernel == "show_field") seconds += pass.device_seconds;
+    if (pass.name == "show field") seconds += pass.device_seconds;
   return seconds / frames;
 }
 

@@ -33,7 +33,7 @@ struct GBuffer::State {
         primitives(device),
         program(device, SourceLibrary(),
                 {"services/gbuffer",
-                 {"lucarium/services/gbuffer/generate_gbuffer_rays.cl", "lucarium/services/gbuffer/fill_gbuffer.cl",
+                 {"lucarium/services/gbuffer/generate_camera_rays.cl", "lucarium/services/gbuffer/fill_gbuffer.cl",
                   "lucarium/services/path_integrator/advance_paths.cl"},
                  defines(intersector, first_surface)}),
         points(device, owner, "G-buffer", pixels, remedies::lower_size),
@@ -63,7 +63,7 @@ struct GBuffer::State {
   TypedBuffer<uint32_t> active;  ///< one element: rays in the queue
   Schedule start, follow;
   Variable<Frame> start_frame, follow_frame;
-  Variable<uint32_t> start_sample, follow_sample;
+  Variable<uint32_t> start_sample, follow_sample, follow_first;
   uint32_t remaining = 0;  ///< read back after every segment
 };
 
@@ -71,14 +71,12 @@ void GBuffer::State::record_start() {
   ScheduleRecorder recorder = scheduler.record("start G-buffer", owner);
   start_frame = recorder.variable("frame", frame);
   start_sample = recorder.variable("sample", 0u);
-  recorder.pass("generate G-buffer rays", program, "generate_gbuffer_rays")
+  recorder.pass("generate G-buffer rays", program, "generate_camera_rays")
       .global(pixels)
       .arg("frame", start_frame)
       .arg("sample_index", start_sample)
-      .arg("points", points)
       .arg("rays", rays)
       .arg_if_present("ends", ends)
-      .arg("queue", queue)
       .arg("active", active);
   start = recorder.compile();
 }
@@ -87,6 +85,7 @@ void GBuffer::State::record_follow() {
   ScheduleRecorder recorder = scheduler.record("follow G-buffer rays", owner);
   follow_frame = recorder.variable("frame", frame);
   follow_sample = recorder.variable("sample", 0u);
+  follow_first = recorder.variable("first", 1u);
   const BufferRef hits = recorder.transient<Hit>("hits", pixels, remedies::lower_size);
   const BufferRef next_rays = recorder.transient<Ray>("next rays", pixels, remedies::lower_size);
   const BufferRef next_ends =
@@ -101,6 +100,7 @@ void GBuffer::State::record_follow() {
   fill.global_by(active)
       .arg("frame", follow_frame)
       .arg("sample_index", follow_sample)
+      .arg("first", follow_first)
       .arg("rays", rays)
       .arg("hits", hits)
       .arg("queue", queue)
@@ -142,8 +142,11 @@ bool GBuffer::render(uint32_t sample_index) {
   s.follow.set(s.follow_sample, sample_index);
   if (s.scheduler.run(s.start) == RunResult::cancelled) return false;
   s.remaining = s.pixels;
-  while (s.remaining > 0)
+  s.follow.set(s.follow_first, 1u);
+  while (s.remaining > 0) {
     if (s.scheduler.run(s.follow) == RunResult::cancelled) return false;
+    s.follow.set(s.follow_first, 0u);
+  }
   return true;
 }
 
