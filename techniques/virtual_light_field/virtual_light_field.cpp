@@ -51,10 +51,12 @@
 //
 // Not in the paper: the tail, light samples (direct_mode=nee), rays from pixels (pixels/trace_lobes.cl), glossy lobes
 // by gathers with normalised weights, patches that are not planar, accessibility (texel_sides/side_accessibility.h), a
-// coarse field before the first sweep (field/field_preview.cpp).
+// coarse field before the first sweep (field/field_preview.cpp), light kept apart of parts of texels close under glass
+// (SideAccessibility::halves()).
 
 #include <fmt/format.h>
 
+#include "lucarium/base/numbers.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/surface_atlas/inspect.h"
 #include "lucarium/technique/plugin.h"
@@ -104,6 +106,13 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     const SurfaceAtlas& atlas = surfaces_->atlas;
     const uint32_t side = side_at(atlas, point.triangle, point.b1, point.b2, point.front);
     auto rows = describe_side(atlas, side, field_->shown(), "irradiance of later bounces");
+    if (side != LUCARIUM_NONE && field_->halves() > atlas.info().texel_count) {
+      const float4 e = field_->shown().download(atlas.info().texel_count + side, 1).front();
+      const float scale = static_cast<float>(pi) / e.w;
+      if (e.w > 0)
+        rows.emplace_back("the same close under glass",
+                          fmt::format("{:.4g}  {:.4g}  {:.4g} lx", scale * e.x, scale * e.y, scale * e.z));
+    }
     for (auto& row : describe_tiles(field_->maps(), side)) rows.push_back(std::move(row));
     rows.emplace_back("sweeps so far", std::to_string(field_->sweeps()));
     return rows;

@@ -3,9 +3,10 @@
 #ifndef LUCARIUM_SHARED_TEXEL_SIDES_H
 #define LUCARIUM_SHARED_TEXEL_SIDES_H
 
-#define SIDE_POINTS 8u      // random points per texel side that the atlas is to have
-#define SIDE_PARTS 64u      // of a texel side, whose accessibility differs (side_parts.clh)
-#define SIDE_PART_WORDS 4u  // uints that hold it
-#define BUNDLE_PART 26u     // bits for a cell or texel in what a fragment carries; the part is above them
+#define SIDE_POINTS 8u       // random points per texel side that the atlas is to have
+#define SIDE_PARTS 64u       // of a texel side, whose accessibility differs (side_parts.clh)
+#define SIDE_PART_WORDS 4u   // uints that hold it
+#define SIDE_COVER_WORDS 2u  // uints that hold which parts are covered
+#define BUNDLE_PART 26u      // bits for a cell or texel in what a fragment carries; the part is above them
 
 #endif

@@ -61,9 +61,10 @@ struct Parameters {
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",
              "maximum edge length of a pixel of a subfield, with supersample=auto");
-    v.number("access_gap", access_gap, 0.f, 16.f, "texel edges",
-             "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility; 0: "
-             "no weighting");
+    v.number(
+        "access_gap", access_gap, 0.f, 16.f, "texel edges",
+        "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility, and "
+        "within which glass is above parts whose light is kept apart; 0: neither");
     v.number("access_rays", access_rays, 128, 4096, "rays", "rays per texel that measure its accessibility");
     v.choice("supersample", supersample,
              {{"auto", Supersample::automatic},

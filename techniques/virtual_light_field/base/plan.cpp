@@ -39,6 +39,8 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
                             parameters.eye_specular == EyeLobes::vlf);
   plan.lobes = has_specular_lobes(scene);
   plan.first_surface = plan.lobes && parameters.eye_specular == EyeLobes::vlf;
+  plan.glass = parameters.access_gap > 0 && std::any_of(scene.materials.begin(), scene.materials.end(),
+                                                        [](const SceneMaterial& m) { return m.transmission > 0; });
   plan.fold = parameters.weak_lobes == WeakLobes::fold;
   plan.traced = plan.lobes && parameters.eye_glossy == EyeLobes::trace;
   plan.sampled = parameters.direct_mode == DirectMode::nee;

@@ -14,8 +14,12 @@ typedef struct Exchange {
   LINE_ROWS_MEMBERS
   const __global uint* accessibility;
   const __global float2* interior;  // y: what a ray counts that meets a back
-  __global float4* records;         // fold_sides.cl
-  const __global uint* sent;        // RGB9E5 per cell: what leaves towards its direction, times scale
+#ifdef FIELD_HALVES
+  const __global uint* covered;  // which parts belong to the covered half of their side
+  uint sides;                    // records of covered halves begin behind those of so many open ones
+#endif
+  __global float4* records;   // fold_sides.cl
+  const __global uint* sent;  // RGB9E5 per cell: what leaves towards its direction, times scale
   float inverse_scale;
   float weight;                // solid angle that the rays of either direction stand for [sr]
   float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
@@ -43,9 +47,18 @@ void bundle_expect(Exchange* exchange, uint texel) {
 
 void layered_expect(Exchange* exchange, uint payload) { bundle_expect(exchange, payload & BUNDLE_TEXEL); }
 
+// The record of the half of a side that a part belongs to.
+size_t record_of(const Exchange* exchange, FragmentSide end) {
+#ifdef FIELD_HALVES
+  if (part_covered(exchange->covered, end.side, end.part)) return 2u * ((size_t)exchange->sides + end.side);
+#endif
+  return 2u * (size_t)end.side;
+}
+
 // One end of a ray in the scene.
 typedef struct FieldEnd {
   uint side;      // LUCARIUM_NONE: black
+  size_t record;  // of the side, or of its half
   uint cell;      // LUCARIUM_NONE: none
   float weight;   // what the ray counts in the irradiance of the side
   float3 leaves;  // radiance along the ray
@@ -66,7 +79,8 @@ FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint
   result.level = 0u;
 #endif
   if (end.side == LUCARIUM_NONE) return result;
-  const float4 record = exchange->records[2u * (size_t)end.side];
+  result.record = record_of(exchange, end);
+  const float4 record = exchange->records[result.record];
   result.weight = exchange->weight * part_accessibility(exchange->accessibility, end.side, end.part);
   result.leaves = record.xyz;
 #ifdef FIELD_LEVELS
@@ -99,7 +113,7 @@ FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint
 // `radiance` arrives; `rays`: what it counts of one.
 void receive(Exchange* exchange, FieldEnd end, float3 radiance, float rays) {
   if (end.side == LUCARIUM_NONE) return;
-  exchange->records[2u * (size_t)end.side + 1u] += end.weight * (float4)(radiance, rays);
+  exchange->records[end.record + 1u] += end.weight * (float4)(radiance, rays);
 #ifdef FIELD_LEVELS
   if (end.level > 0u)
     add_to_coarse_cells(&exchange->perturbed, end.facet, end.level, end.backwards, end.hit, radiance, rays);
@@ -184,11 +198,20 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
 #define EXCHANGE_POINTS_PARAMETERS
 #define EXCHANGE_SET_SUMS(exchange) EXCHANGE_SET_RECEIVED(exchange)
 #endif
-#define EXCHANGE_PARAMETERS                                                                                    \
-  LINE_ROWS_PARAMETERS, __global const uint *accessibility, __global const float2 *interior, float weight,     \
-      float inverse_scale, __global const float4 *ends,                                                        \
-      EXCHANGE_MEDIA_PARAMETER EXCHANGE_POINTS_PARAMETERS __global const uint *sent, __global float4 *records, \
-      __global EXCHANGE_SUMS *received
+#ifdef FIELD_HALVES
+#define EXCHANGE_HALVES_PARAMETERS __global const uint *covered, uint sides,
+#define EXCHANGE_SET_HALVES(exchange) \
+  (exchange)->covered = covered;      \
+  (exchange)->sides = sides;
+#else
+#define EXCHANGE_HALVES_PARAMETERS
+#define EXCHANGE_SET_HALVES(exchange)
+#endif
+#define EXCHANGE_PARAMETERS                                                                                     \
+  LINE_ROWS_PARAMETERS, __global const uint *accessibility, __global const float2 *interior, float weight,      \
+      float inverse_scale, __global const float4 *ends,                                                         \
+      EXCHANGE_MEDIA_PARAMETER EXCHANGE_POINTS_PARAMETERS EXCHANGE_HALVES_PARAMETERS __global const uint *sent, \
+      __global float4 *records, __global EXCHANGE_SUMS *received
 #define EXCHANGE_SET(exchange)               \
   LINE_ROWS_SET(exchange)                    \
   (exchange)->accessibility = accessibility; \
@@ -200,6 +223,7 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
   (exchange)->from_near = ends[0].xyz;       \
   (exchange)->from_far = ends[1].xyz;        \
   EXCHANGE_SET_MEDIA(exchange)               \
+  EXCHANGE_SET_HALVES(exchange)              \
   EXCHANGE_SET_SUMS(exchange)
 
 __kernel void exchange_line(LAYERED_TILE_PARAMETERS EXCHANGE_PARAMETERS) {

@@ -54,8 +54,9 @@ FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const S
                              const Plan& plan, const Report& report)
     : atlas(device, scheduler, scene, buffers, atlas_options(plan, report), technique_name),
       interior(device, scheduler, buffers, intersector, atlas, technique_name, remedies::lower_texels),
-      accessibility(device, buffers, atlas, {parameters.pixel_size, parameters.access_gap, parameters.access_rays},
-                    technique_name, remedies::lower_texels),
+      accessibility(device, buffers, atlas,
+                    {parameters.pixel_size, parameters.access_gap, parameters.access_rays, plan.glass}, technique_name,
+                    remedies::lower_texels),
       subfield(plan_subfield(parameters, scene.bounds(), atlas.report().area,
                              static_cast<double>(atlas.info().texel_edge), min_pixel(atlas, buffers, parameters))),
       patches(make_patches(atlas, buffers, patch_options(parameters, subfield))),

@@ -61,19 +61,21 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
             {options.subfield.cells, options.subfield.cell, atlas.info().texel_edge, options.seed, options.rows}),
       tiled_(maps_.cells() > 0),
       sides_(atlas.info().texel_count),
+      halves_(accessibility.halves() * sides_),
       light_samples_(light_samples),
       albedo_(device, technique_name, "albedo of texel sides",
               transport_albedo(atlas.materials().download(), patches, options.fold, false), remedies::lower_texels),
-      records_(device, technique_name, "records of texel sides", 2 * size_t{sides_}, remedies::lower_texels),
-      direct_(device, technique_name, "direct light of texel sides", sides_, remedies::lower_texels),
-      indirect_(device, technique_name, "indirect light of texel sides", sides_, remedies::lower_texels),
-      last_(device, technique_name, "light of the last sweep", sides_, remedies::lower_texels),
-      shown_direct_(device, technique_name, "displayed direct light", sides_, remedies::lower_texels),
-      shown_(device, technique_name, "displayed indirect light", sides_, remedies::lower_texels),
-      held_(device, technique_name, "light that rays look up", sides_, remedies::lower_texels),
+      records_(device, technique_name, "records of texel sides", 2 * size_t{halves_}, remedies::lower_texels),
+      direct_(device, technique_name, "direct light of texel sides", halves_, remedies::lower_texels),
+      indirect_(device, technique_name, "indirect light of texel sides", halves_, remedies::lower_texels),
+      last_(device, technique_name, "light of the last sweep", halves_, remedies::lower_texels),
+      shown_direct_(device, technique_name, "displayed direct light", halves_, remedies::lower_texels),
+      shown_(device, technique_name, "displayed indirect light", halves_, remedies::lower_texels),
+      held_(device, technique_name, "light that rays look up", halves_, remedies::lower_texels),
       shares_(accessibility.shares()),
+      covered_(accessibility.covered()),
       side_norms_(device, technique_name, "norms of texel sides",
-                  size_t{FIELD_NORMS} * divide_up(sides_, FIELD_NORM_CHUNK), remedies::lower_texels),
+                  size_t{FIELD_NORMS} * divide_up(halves_, FIELD_NORM_CHUNK), remedies::lower_texels),
       norms_(device, technique_name, "norms", FIELD_NORMS),
       cells_(device, maps_.cells(), options.split, !options.loaded),
       side_program_(make_field_program(device, "scatter/fold_sides")) {
@@ -107,16 +109,17 @@ void LightField::record_sides() {
   PassBuilder first = emit.pass("emit", side_program_, "emit_sides");
   atlas_->bind(first);
   maps_.bind(first);
-  first.global(sides_).arg("sides", sides_).arg("records", records_);
+  first.global(halves_).arg("sides", sides_).arg("halves", halves_).arg("records", records_);
   emit_ = emit.compile();
 
-  const uint32_t chunks = divide_up(sides_, FIELD_NORM_CHUNK);
+  const uint32_t chunks = divide_up(halves_, FIELD_NORM_CHUNK);
   ScheduleRecorder fold = scheduler_->record("end of a sweep", technique_name);
   fold_sweep_ = fold.variable("sweep", 0u);
   PassBuilder sides = fold.pass("fold texel sides", side_program_, "fold_sides");
   atlas_->bind(sides);
   sides.global(chunks)
       .arg("sides", sides_)
+      .arg("halves", halves_)
       .arg("sweep", fold_sweep_)
       .arg("sampled", options_.sampled ? 1u : 0u)
       .arg("albedo", albedo_)
@@ -138,8 +141,8 @@ void LightField::record_sides() {
   show_tail_ = show.variable("tail", float4{});
   show_hold_ = show.variable("hold", 0u);
   show.pass("show texel sides", side_program_, "show_sides")
-      .global(sides_)
-      .arg("sides", sides_)
+      .global(halves_)
+      .arg("halves", halves_)
       .arg("tail", show_tail_)
       .arg("hold", show_hold_)
       .arg("shares", shares_)
@@ -181,14 +184,14 @@ void LightField::find_scale() {
   double largest = 0;
   const std::vector<AtlasMaterial> materials = atlas_->materials().download();
   const std::vector<float4> samples = light_samples_.download();
-  for (size_t side = 0; side < materials.size(); ++side) {
-    largest = std::max(largest, brightest(materials[side].emission.xyz()));
-    if (!(samples[side].w > 0)) continue;
+  for (const AtlasMaterial& material : materials) largest = std::max(largest, brightest(material.emission.xyz()));
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (!(samples[i].w > 0)) continue;
     // Of a punctual light, rough metal sends as much as its lobe is narrow, D(n) = 1 / (pi alpha^2).
-    const auto alpha = static_cast<double>(materials[side].diffuse.w);
+    const auto alpha = static_cast<double>(materials[i % sides_].diffuse.w);
     const double peak =
         !scatter_ || !scatter_->has_lights() || alpha == 0 ? 1 : std::clamp(1 / (alpha * alpha), 1., kMaxPeak);
-    largest = std::max(largest, peak * brightest(samples[side].xyz()) / static_cast<double>(samples[side].w) / pi);
+    largest = std::max(largest, peak * brightest(samples[i].xyz()) / static_cast<double>(samples[i].w) / pi);
   }
   if (const auto& sky = host_scene_->environment) {
     double value = sky->radiance.empty() ? 1 : 0;
@@ -217,7 +220,7 @@ bool LightField::advance(double subfield_pixels) {
       work_left_ -= subfields_->pixels();
       continue;
     }
-    work_left_ -= kSideWork * sides_;
+    work_left_ -= kSideWork * halves_;
     end_subfields();
   }
   work_left_ = 0;
@@ -364,7 +367,9 @@ LightField::Options field_options(const Plan& plan, const Parameters& parameters
   return options;
 }
 
-size_t LightField::estimate_bytes(size_t sides) { return sides * (10 * sizeof(float4) + 2 * sizeof(uint32_t)); }
+size_t LightField::estimate_bytes(size_t sides, uint32_t halves) {
+  return sides * ((8 * halves + 2) * sizeof(float4) + 2 * sizeof(uint32_t));
+}
 
 double LightField::estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area) {
   const double subfields = (2. * dir_n * dir_n + 1) * perturb;

@@ -58,11 +58,13 @@ class LightField {
   /// Grows when what is displayed has changed.
   uint32_t shown_sweeps() const { return shown_sweeps_; }
 
-  // Per texel side, over π and times accessibility, w accessibility: direct, of later sweeps, and all that rays of
-  // pixels may look up (one bounce less).
+  // Per texel side, of its halves (SideAccessibility::halves()), over π and times accessibility, w accessibility:
+  // direct, of later sweeps, and all that rays of pixels may look up (one bounce less).
   const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }
   const TypedBuffer<float4>& shown() const { return shown_; }
   const TypedBuffer<float4>& held() const { return held_; }
+  uint32_t halves() const { return halves_; }                        ///< of all texel sides
+  const TypedBuffer<uint32_t>& covered() const { return covered_; }  ///< SideAccessibility::covered()
   /// Of the last sweep that has ended, xyz irradiance over π; w: Σ ΔΩ a of the rays that met the side [sr].
   const TypedBuffer<float4>& last() const { return last_; }
   const TileMaps& maps() const { return maps_; }
@@ -84,7 +86,7 @@ class LightField {
   void load(const StateReader& chunks);
 
   /// Device memory without cells [bytes], and of a cell while light propagates.
-  static size_t estimate_bytes(size_t sides);
+  static size_t estimate_bytes(size_t sides, uint32_t halves);
   static constexpr size_t kCellBytes = 16, kSplitBytes = 4;
   static constexpr int kKeptBounces = 3;  ///< so many at least: drawing twice to keep fragments pays
   /// Expected fragments of all subfields. `pixel` [m]; `area`: of the scene's surfaces, each once [m²].
@@ -121,9 +123,10 @@ class LightField {
   DirectionGrid grid_;
   TileMaps maps_;
   bool tiled_;
-  uint32_t sides_;
+  uint32_t sides_, halves_;  ///< halves of all sides
   TypedBuffer<float4> light_samples_, albedo_, records_, direct_, indirect_, last_, shown_direct_, shown_, held_;
   TypedBuffer<float> shares_;
+  TypedBuffer<uint32_t> covered_;
   TypedBuffer<float4> side_norms_, norms_;
   CellBuffers cells_;
   Program side_program_;

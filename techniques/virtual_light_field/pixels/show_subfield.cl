@@ -6,6 +6,7 @@
 #include "lucarium/scene.clh"
 #include "lucarium/shared/ray.h"
 #include "lucarium/surface_point.clh"
+#include "virtual_light_field/pixels/side_halves.clh"
 #include "virtual_light_field/tiles/field_lookup.clh"
 
 // Subfield coordinates [cells] of an image's pixel; outside of [0, subfield) beside the subfield.
@@ -38,18 +39,16 @@ __kernel void aim_along_line(uint count, uint width, uint height, FieldInfo info
 }
 
 // What the nearest surface sends: emission, diffuse light, and its own cell of the line's subfield, not interpolated.
-__kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                            __global const AtlasTriangle* restrict atlas_triangles,
-                            __global const uint* restrict atlas_table,
-                            __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
-                            __global const FieldLine* restrict lines, __global const uint* restrict nodes,
-                            __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
-                            __global const uint* restrict tile_cells, __global const float* restrict inverse_scale,
-                            uint split, uint fold, __global const float4* restrict side_albedo,
-                            __global const float4* restrict shown_direct, __global const float4* restrict shown,
-                            __global const uint* restrict direct, __global const uint* restrict total, uint count,
-                            uint width, uint height, uint line, __global const Ray* restrict rays,
-                            __global const Hit* restrict hits, __global float4* restrict layer) {
+__kernel void show_subfield(
+    LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
+    __global const uint* restrict atlas_table, __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
+    __global const FieldLine* restrict lines, __global const uint* restrict nodes,
+    __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
+    __global const uint* restrict tile_cells, __global const float* restrict inverse_scale, uint split, uint fold,
+    __global const float4* restrict side_albedo, FIELD_HALVES_PARAMETERS __global const float4* restrict shown_direct,
+    __global const float4* restrict shown, __global const uint* restrict direct, __global const uint* restrict total,
+    uint count, uint width, uint height, uint line, __global const Ray* restrict rays,
+    __global const Hit* restrict hits, __global float4* restrict layer) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   layer[i] = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
@@ -82,7 +81,8 @@ __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     albedo += side_albedo[side].xyz;
   }
   // Add its diffuse light.
-  const float4 once = shown_direct[side], more = shown[side];
+  const uint own = half_at(atlas_info, halves, covered, atlas_triangles + hit.triangle, side, hit.u, hit.v);
+  const float4 once = shown_direct[own + side], more = shown[own + side];
   if (once.w > 0.0f) light += albedo * once.xyz / once.w;
   if (more.w > 0.0f) light += albedo * more.xyz / more.w;
   layer[i].xyz = light;

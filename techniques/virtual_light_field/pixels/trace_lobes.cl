@@ -2,6 +2,7 @@
 // A ray per sample by the specular lobes of what a pixel shows, that looks up the field where it ends.
 #include "lucarium/gbuffer.clh"
 #include "lucarium/surface_atlas.clh"
+#include "virtual_light_field/pixels/side_halves.clh"
 #include "virtual_light_field/tiles/field_lookup.clh"
 
 typedef struct Found {
@@ -11,6 +12,8 @@ typedef struct Found {
   const __global AtlasTriangle* atlas_triangles;
   const __global uint* atlas_table;
   const __global uchar* atlas_links;
+  uint halves;
+  const __global uint* covered;
   const __global float4* held;
   const __global float4* side_albedo;
   const __global uint *direct, *total;  // cells
@@ -30,8 +33,13 @@ bool chain_surface(Found* found, const Scene* scene, const SpecularChain* chain,
   const uint texel = atlas_texel(found->atlas_triangles, found->atlas_table, hit.triangle, hit.u, hit.v);
   const uint side = atlas_side(found->atlas_info, texel, front);
   if (side == LUCARIUM_NONE) return false;
-  const float4 held = atlas_bilinear(found->atlas_info, found->atlas_triangles, found->atlas_table, found->atlas_links,
-                                     found->held, hit.triangle, hit.u, hit.v, front);
+  const AtlasNeighbours around = atlas_neighbours(found->atlas_info, found->atlas_triangles, found->atlas_table,
+                                                  found->atlas_links, hit.triangle, hit.u, hit.v, front);
+  const uint own = half_at(found->atlas_info, found->halves, found->covered, found->atlas_triangles + hit.triangle,
+                           side, hit.u, hit.v),
+             other = found->halves - found->atlas_info.texel_count - own;
+  float4 held = atlas_interpolated(&around, found->held + own);
+  if (other != own && !(held.w > 0.0f)) held = atlas_interpolated(&around, found->held + other);
   const Bsdf bsdf = make_bsdf(scene, surface, 0u);
   const uint facet = found->field.side_facet[side];
   float3 albedo = bsdf.diffuse, light = (float3)(0.0f);
@@ -76,12 +84,12 @@ __kernel void begin_rays(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* 
 __kernel void advance_rays(LUCARIUM_CHAIN_PARAMETERS AtlasInfo atlas_info,
                            __global const AtlasTriangle* restrict atlas_triangles,
                            __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
-                           FIELD_LOOKUP_PARAMETERS __global const float4* restrict held,
+                           FIELD_LOOKUP_PARAMETERS FIELD_HALVES_PARAMETERS __global const float4* restrict held,
                            __global const float4* restrict side_albedo, __global const uint* restrict direct,
                            __global const uint* restrict total, uint split, uint fold,
                            __global float4* restrict light) {
-  Found found = {light,       atlas_info, atlas_triangles, atlas_table, atlas_links, held,
-                 side_albedo, direct,     total,           split,       fold,        FIELD_LOOKUP_BIND};
+  Found found = {light, atlas_info,  atlas_triangles, atlas_table, atlas_links, halves, covered,
+                 held,  side_albedo, direct,          total,       split,       fold,   FIELD_LOOKUP_BIND};
   LUCARIUM_ADVANCE_CHAINS(&found);
 }
 

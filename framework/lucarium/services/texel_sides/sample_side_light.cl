@@ -32,11 +32,13 @@ void add_light(const Scene* scene, uint i, float3 light, float3 direction, float
   sums[i] = before + (float4)(light, (float)samples);
 }
 
-// Each counts by the accessibility of its point.
-__kernel void scatter_samples(uint first, uint count, uint round_index, __global const uint* restrict levels,
-                              __global const float4* restrict samples, __global float4* restrict light_samples) {
+// Each counts by the accessibility of its point, in the half that the point belongs to: those of covered halves begin
+// at `sides`.
+__kernel void scatter_samples(uint first, uint count, uint sides, uint round_index,
+                              __global const uint* restrict levels, __global const float4* restrict samples,
+                              __global float4* restrict light_samples) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  const uint side = first + i, level = levels[side];
-  light_samples[side] += point_weight(level, side_point(level, round_index)) * samples[i];
+  const uint side = first + i, level = levels[side], point = side_point(level, round_index);
+  light_samples[point_covered(level, point) ? sides + side : side] += point_weight(level, point) * samples[i];
 }

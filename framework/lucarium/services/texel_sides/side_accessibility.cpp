@@ -33,7 +33,7 @@ struct SideAccessibility::Probes {
   double pixel = 0;
   uint64_t count = 0;  ///< bundles
   bool only_hidden = false;
-  TypedBuffer<uint32_t> hidden, counts;
+  TypedBuffer<uint32_t> hidden, counts, glass;
   TypedBuffer<LayeredView> views;
   TypedBuffer<float4> ends;
   DirectionSequence sequence{{}, kSeed};
@@ -46,9 +46,12 @@ SideAccessibility::SideAccessibility(Device& device, const SceneBuffers& buffers
     : options_(options),
       owner_(owner),
       remedy_(remedy),
-      shares_(device, owner_, "accessibility of texel sides", atlas.info().texel_count, remedy_),
+      halves_(options.glass && options.access_gap > 0 ? 2 : 1),
+      shares_(device, owner_, "accessibility of texel sides", size_t{halves_} * atlas.info().texel_count, remedy_),
       parts_(device, owner_, "accessibility of texel sides' parts", size_t{atlas.info().texel_count} * SIDE_PART_WORDS,
              remedy_),
+      covered_(device, owner_, "covered parts of texel sides",
+               halves_ > 1 ? size_t{atlas.info().texel_count} * SIDE_COVER_WORDS : SIDE_COVER_WORDS, remedy_),
       points_(device, owner_, "accessibility of texel sides' points", atlas.info().texel_count, remedy_) {
   if (atlas.info().cell_count > kMaxCells)
     throw_error(ErrorClass::usage, "{}: the atlas has {} cells, more than {}: {}", owner, atlas.info().cell_count,
@@ -79,6 +82,12 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   probes.hidden = interior.hidden();
   probes.counts = TypedBuffer<uint32_t>(device, owner_, "probes of texel sides", size_t{sides} * SIDE_PARTS, remedy_);
   probes.counts.fill_zero();
+  std::map<std::string, std::string> defines;
+  if (halves_ > 1) {
+    defines["SIDE_HALVES"] = "";
+    probes.glass = TypedBuffer<uint32_t>(device, owner_, "probes that meet glass", size_t{sides} * SIDE_PARTS, remedy_);
+    probes.glass.fill_zero();
+  }
   probes.views = TypedBuffer<LayeredView>(device, owner_, "view of a probe", 1);
   probes.ends = TypedBuffer<float4>(device, owner_, "ends of rays", 2);
 
@@ -92,21 +101,25 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   probes.begin = begin.compile();
 
   ScheduleRecorder draw = scheduler.record("accessibility", owner_);
-  const Program probe = make_program(device, "probe_pairs", raster.defines());
+  std::map<std::string, std::string> probe_defines = raster.defines();
+  probe_defines.insert(defines.begin(), defines.end());
+  const Program probe = make_program(device, "probe_pairs", probe_defines);
   raster.record_tiles(
       draw, "probe", {probes.views, draw.variable("view index", 0u)}, probe, "probe_pairs", [&](PassBuilder& rows) {
         atlas.bind(rows);
         rows.arg("access_gap", options_.access_gap * atlas.info().texel_edge).arg("counts", probes.counts);
+        if (halves_ > 1) rows.arg("glass", probes.glass);
       });
   probes.draw = draw.compile();
 
   ScheduleRecorder sum = scheduler.record("accessibility of parts", owner_);
   PassBuilder finish =
-      sum.pass("finish accessibility", make_program(device, "finish_accessibility", {}), "finish_accessibility");
+      sum.pass("finish accessibility", make_program(device, "finish_accessibility", defines), "finish_accessibility");
   atlas.bind(finish);
   finish.global(sides).arg("sides", sides).arg("counts", probes.counts);
   finish.arg("interior", interior.shares()).arg("hidden", interior.hidden());
   finish.arg("share", shares_).arg("accessibility", parts_).arg("points", points_);
+  if (halves_ > 1) finish.arg("glass", probes.glass).arg("covered", covered_);
   probes.sum = sum.compile();
 }
 
@@ -138,12 +151,13 @@ double SideAccessibility::progress() const {
   return probes_ ? static_cast<double>(drawn_) / static_cast<double>(probes_->count) : 1.0;
 }
 
-size_t SideAccessibility::estimate_bytes(size_t sides) {
-  return held_bytes(sides) + sides * SIDE_PARTS * sizeof(uint32_t);
+size_t SideAccessibility::estimate_bytes(size_t sides, uint32_t halves) {
+  return held_bytes(sides, halves) + sides * halves * SIDE_PARTS * sizeof(uint32_t);
 }
 
-size_t SideAccessibility::held_bytes(size_t sides) {
-  return sides * (sizeof(float) + (1 + SIDE_PART_WORDS) * sizeof(uint32_t));
+size_t SideAccessibility::held_bytes(size_t sides, uint32_t halves) {
+  return sides *
+         (halves * sizeof(float) + (1 + SIDE_PART_WORDS + (halves > 1 ? SIDE_COVER_WORDS : 0)) * sizeof(uint32_t));
 }
 
 }  // namespace lucarium

@@ -28,6 +28,12 @@ namespace lucarium {
 /// The price: rays shorter than g get the radiance that is right for far receivers, so places close to an occluder
 /// receive too much; they count little in the result.
 ///
+/// Surfaces that transmit occlude nothing: what is close under glass is seen through it. But the light below glass
+/// often ends at a sharp edge, with the shadow of the lamp beside it, and only one of them is seen at a time. With
+/// `glass` texel sides therefore have two halves, whose light is kept apart: a part belongs to the covered half where
+/// most of its rays meet a surface that transmits within the gap, else to the open one. What is kept per texel side is
+/// then there twice, first for all open halves, then for all covered ones.
+///
 /// Measured by rays of bundles (probe_pairs.cl), one bundle at a time, for the parts of side_parts.clh. Two or so rays
 /// per part suffice, and two bits to store it, rounded at random: the mean needs a to be right on average only.
 class SideAccessibility {
@@ -36,6 +42,7 @@ class SideAccessibility {
     float pixel_size = 0.5f;  ///< edge of a bundle pixel in texel edges
     float access_gap = 2;     ///< in texel edges; 0: all rays are open
     int rays = 256;           ///< of a texel that faces all directions
+    bool glass = false;       ///< with `access_gap`: two halves of each texel side
   };
   /// Bundles that give a texel which faces all directions so many rays, within what is sensible.
   static double bundles(float pixel_size, int rays);
@@ -55,25 +62,31 @@ class SideAccessibility {
   bool complete() const { return complete_; }
 
   // What holds when complete:
-  /// Per texel side: mean accessibility over its area [1], which is what its area counts.
+  /// 2 with `glass`, else 1.
+  uint32_t halves() const { return halves_; }
+  /// Per texel side, of its halves: mean accessibility over its area [1], which is what its area counts.
   const TypedBuffer<float>& shares() const { return shares_; }
   /// Per texel side: accessibility of its parts, four words (side_parts.clh).
   const TypedBuffer<uint32_t>& parts() const { return parts_; }
-  /// Per texel side: the same of its random points, 4 bits each; 0: hidden, or closed.
+  /// Per texel side: which of its parts belong to the covered half, two words; without `glass` nothing.
+  const TypedBuffer<uint32_t>& covered() const { return covered_; }
+  /// Per texel side: accessibility of its random points, 4 bits each; 0: hidden, or closed (side_points.clh).
   const TypedBuffer<uint32_t>& points() const { return points_; }
   /// Least edge of bundle pixels, from `pixel_size` on, with which no two work-items reach the same texel at a time
   /// [m].
   double safe_pixel() const { return safe_pixel_; }
   /// Device memory while it measures, and what stays of it [bytes].
-  static size_t estimate_bytes(size_t sides);
-  static size_t held_bytes(size_t sides);
+  static size_t estimate_bytes(size_t sides, uint32_t halves = 1);
+  static size_t held_bytes(size_t sides, uint32_t halves = 1);
 
  private:
   struct Probes;
   Options options_;
   std::string owner_, remedy_;
+  uint32_t halves_;
   TypedBuffer<float> shares_;
   TypedBuffer<uint32_t> parts_;
+  TypedBuffer<uint32_t> covered_;
   TypedBuffer<uint32_t> points_;
   double safe_pixel_ = 0;
   uint64_t drawn_ = 0;  ///< bundles

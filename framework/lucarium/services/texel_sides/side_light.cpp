@@ -22,7 +22,7 @@ SideLight::SideLight(Device& device, KernelScheduler& scheduler, const SceneBuff
       sides_(atlas.info().texel_count),
       chunk_(std::min(kChunk, sides_)),
       samples_(device, owner, "light at texel sides", chunk_, remedy),
-      light_samples_(device, owner, "direct light of texel sides", sides_, remedy) {
+      light_samples_(device, owner, "direct light of texel sides", size_t{accessibility.halves()} * sides_, remedy) {
   const Program program(device, SourceLibrary(),
                         {"services/texel_sides/sample_side_light",
                          {"lucarium/services/texel_sides/sample_side_light.cl"},
@@ -51,6 +51,7 @@ SideLight::SideLight(Device& device, KernelScheduler& scheduler, const SceneBuff
       .global(chunk_)
       .arg("first", scatter_first_)
       .arg("count", scatter_count_)
+      .arg("sides", sides_)
       .arg("round_index", scatter_round_)
       .arg("levels", accessibility.points())
       .arg("samples", samples_)
@@ -58,9 +59,9 @@ SideLight::SideLight(Device& device, KernelScheduler& scheduler, const SceneBuff
   scatter_ = scatter.compile();
 }
 
-size_t SideLight::estimate_bytes(size_t sides) {
+size_t SideLight::estimate_bytes(size_t sides, uint32_t halves) {
   const size_t chunk = std::min<size_t>(sides, kChunk);
-  return chunk * sizeof(float4) + sides * sizeof(float4) + LightAtPoints::estimate_bytes(chunk);
+  return chunk * sizeof(float4) + halves * sides * sizeof(float4) + LightAtPoints::estimate_bytes(chunk);
 }
 
 bool SideLight::sample() {

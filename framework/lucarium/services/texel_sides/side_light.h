@@ -36,9 +36,10 @@ class SideLight {
   /// Texel sides of a run, at most.
   uint32_t run_length() const { return none_ ? 0 : chunk_; }
 
-  /// Per texel side: xyz sum of irradiance [lx], w of the samples, by accessibility.
+  /// Per texel side, of its halves (SideAccessibility::halves()): xyz sum of irradiance [lx], w of the samples, by
+  /// accessibility.
   const TypedBuffer<float4>& light_samples() const { return light_samples_; }
-  static size_t estimate_bytes(size_t sides);
+  static size_t estimate_bytes(size_t sides, uint32_t halves = 1);
 
  private:
   static constexpr uint32_t kFirstSamples = 64, kSamples = 1024;
