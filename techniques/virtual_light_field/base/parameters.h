@@ -64,7 +64,7 @@ struct Parameters {
     v.number(
         "access_gap", access_gap, 0.f, 16.f, "texel edges",
         "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility, and "
-        "within which glass is above parts whose light is kept apart; 0: neither");
+        "within which parts under glass keep their light apart; 0: neither");
     v.number("access_rays", access_rays, 128, 4096, "rays", "rays per texel that measure its accessibility");
     v.choice("supersample", supersample,
              {{"auto", Supersample::automatic},

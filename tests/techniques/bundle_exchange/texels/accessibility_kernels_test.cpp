@@ -142,21 +142,23 @@ TEST_CASE("parts are as open as the share of their rays that go far, without tho
   CHECK(found[1].parts[1] == kLevels);
 }
 
-TEST_CASE("light samples count by the accessibility of their points") {
+TEST_CASE("light samples count by the accessibility of their points, and in the half that these belong to") {
   Kernels kernels;
   // Every point that is accessible has its turn equally often in 8 rounds for each.
-  const std::vector<uint32_t> levels{3u | 0u << 4 | 1u << 8 | 2u << 12, 0u};
+  const std::vector<uint32_t> levels{3u | 0u << 4 | (1u | 8u) << 8 | 2u << 12, 0u};
   const auto all_levels = kernels.buffer(levels);
   const auto samples = kernels.buffer(std::vector<float4>(2, float4(5, 6, 7, 1)));
-  const auto sums = kernels.buffer(std::vector<float4>(2));
+  const auto sums = kernels.buffer(std::vector<float4>(4));
   const uint32_t rounds = 8 * 3;
   for (uint32_t round = 0; round < rounds; ++round)
     kernels.run("scatter_samples", 2, [&](PassBuilder& pass) {
-      pass.arg("first", 0u).arg("count", 2u).arg("round_index", round).arg("levels", all_levels);
+      pass.arg("first", 0u).arg("count", 2u).arg("sides", 2u).arg("round_index", round).arg("levels", all_levels);
       pass.arg("samples", samples).arg("light_samples", sums);
     });
   const std::vector<float4> found = sums.download();
-  CHECK(found[0].w == 8 * (3 + 1 + 2));
+  CHECK(found[0].w + found[2].w == 8 * (3 + 1 + 2));
+  CHECK(found[2].w == 9 * 1);  // the covered half: of 24 rounds the first two points have 9 each
+  CHECK(found[3].w == 0);
   CHECK(found[0].x == 5 * found[0].w);
   CHECK(found[1].w == rounds);  // none is accessible: all alike
 }
