@@ -3,6 +3,7 @@
 // paper's radiance interface; the radiance that runs along it is what the last surface has sent, or the sky.
 // Consecutive fragments see each other, as senders and receivers in both directions at once (section 3.2, figure 5).
 // What arrives is added to the irradiance of texel sides and to the cells of facets.
+#include "lucarium/compiler_hints.clh"
 #include "lucarium/services/texel_sides/side_parts.clh"
 #include "virtual_light_field/exchange/line_rows.clh"
 #if defined(FIELD_PERTURBED) || defined(FIELD_LEVELS)
@@ -69,7 +70,7 @@ typedef struct FieldEnd {
 } FieldEnd;
 
 // backwards: the side is seen from -omega.
-FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint backwards) {
+LUCARIUM_FLATTEN FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint backwards) {
   FieldEnd result;
   result.side = end.side;
   result.cell = LUCARIUM_NONE;
@@ -126,11 +127,11 @@ void receive(Exchange* exchange, FieldEnd end, float3 radiance, float rays) {
 #endif
 }
 
-void layered_ray_begins(Exchange* exchange, uint2 pixel, uint payload, bool front) {
+LUCARIUM_FLATTEN void layered_ray_begins(Exchange* exchange, uint2 pixel, uint payload, bool front) {
   receive(exchange, field_end(exchange, fragment_side(exchange, payload, front), pixel, 1u), exchange->from_near, 1.0f);
 }
 
-void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
+LUCARIUM_FLATTEN void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
   const FieldEnd near = field_end(exchange, fragment_side(exchange, gap.near, gap.near_front), gap.pixel, 0u);
   const FieldEnd far = field_end(exchange, fragment_side(exchange, gap.far, gap.far_front), gap.pixel, 1u);
   if (near.side == LUCARIUM_NONE || far.side == LUCARIUM_NONE) {
@@ -151,7 +152,7 @@ void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
   receive(exchange, far, to_far, 1.0f);
 }
 
-void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front) {
+LUCARIUM_FLATTEN void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front) {
   receive(exchange, field_end(exchange, fragment_side(exchange, payload, front), pixel, 0u), exchange->from_far, 1.0f);
 }
 
@@ -226,15 +227,15 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
   EXCHANGE_SET_HALVES(exchange)              \
   EXCHANGE_SET_SUMS(exchange)
 
-__kernel void exchange_line(LAYERED_TILE_PARAMETERS EXCHANGE_PARAMETERS) {
+__kernel LUCARIUM_FLATTEN void exchange_line(LAYERED_TILE_PARAMETERS EXCHANGE_PARAMETERS) {
   Exchange exchange;
   EXCHANGE_SET(&exchange);
   LAYERED_RUN_TILES(&exchange);
 }
 
 // The same of a line whose fragments are kept.
-__kernel void exchange_kept_line(LAYERED_KEPT_PARAMETERS __global const LayeredView* layered_views,
-                                 EXCHANGE_PARAMETERS) {
+__kernel LUCARIUM_FLATTEN void exchange_kept_line(LAYERED_KEPT_PARAMETERS __global const LayeredView* layered_views,
+                                                  EXCHANGE_PARAMETERS) {
   Exchange exchange;
   EXCHANGE_SET(&exchange);
   LAYERED_WALK_KEPT(&exchange);

@@ -5,6 +5,22 @@
 #include "lucarium/services/layer_sums/layer_sums.clh"
 #include "virtual_light_field/pixels/shown_field.clh"
 
+#ifdef LUCARIUM_HAS_PREFETCH
+// What a later work-item's look-up needs of the atlas: the record of its triangle, and of one nearer by its cell.
+void prefetch_places(const ShownField* shown, const global Hit* hits, uint i, uint count) {
+  const uint far = i + 16u, near = i + 8u;
+  if (far < count && hits[far].triangle != LUCARIUM_NO_HIT)
+    LUCARIUM_PREFETCH(shown->atlas_triangles + hits[far].triangle);
+  if (near >= count || hits[near].triangle == LUCARIUM_NO_HIT) return;
+  const AtlasTriangle record = shown->atlas_triangles[hits[near].triangle];
+  const uint cell = atlas_cell(record, atlas_uv(record, hits[near].u, hits[near].v));
+  LUCARIUM_PREFETCH(shown->atlas_table + cell);
+  LUCARIUM_PREFETCH(shown->atlas_links + cell);
+}
+#else
+void prefetch_places(const ShownField* shown, const global Hit* hits, uint i, uint count) {}
+#endif
+
 // Adds to `emission` a sample, and to the other layers one that counts `weight` of the mean (show_field.cl), if
 // `shows`.
 __kernel LUCARIUM_FLATTEN void walk_field(
@@ -16,6 +32,7 @@ __kernel LUCARIUM_FLATTEN void walk_field(
   LUCARIUM_SCENE_BIND(scene);
   const ShownField field = SHOWN_FIELD_BIND;
   prefetch_surfaces(&scene, hits, i, count);
+  prefetch_places(&field, hits, i, count);
   const Hit hit = hits[i];
   const float3 direction = rays[i].direction.xyz;
   GBufferPoint point = begin_eye_path();
