@@ -7,7 +7,7 @@
 
 #ifdef LUCARIUM_HAS_PREFETCH
 // What a later work-item's look-up needs of the atlas: the record of its triangle, and of one nearer by its cell.
-void prefetch_places(const ShownField* shown, const global Hit* hits, uint i, uint count) {
+void prefetch_places(const ShownField* shown, __global const Hit* hits, uint i, uint count) {
   const uint far = i + 16u, near = i + 8u;
   if (far < count && hits[far].triangle != LUCARIUM_NO_HIT)
     LUCARIUM_PREFETCH(shown->atlas_triangles + hits[far].triangle);
@@ -18,7 +18,7 @@ void prefetch_places(const ShownField* shown, const global Hit* hits, uint i, ui
   LUCARIUM_PREFETCH(shown->atlas_links + cell);
 }
 #else
-void prefetch_places(const ShownField* shown, const global Hit* hits, uint i, uint count) {}
+void prefetch_places(const ShownField* shown, __global const Hit* hits, uint i, uint count) {}
 #endif
 
 // Adds to `emission` a sample, and to the other layers one that counts `weight` of the mean (show_field.cl), if
