@@ -14,9 +14,10 @@
 #include "virtual_light_field/scatter/splat_lobes.clh"
 #include "virtual_light_field/tiles/subfield_cells.clh"
 
-#define LOBE_CUT 1e-3f   // of the largest value of a lobe: what is below does not count
-#define NARROW 0.5f      // lobes of GGX widths below this share of the spacing of directions count as ideal
-#define NEAREST_STEPS 4  // tries to find a covered direction
+#define LOBE_CUT 1e-3f    // of the largest value of a lobe: what is below does not count
+#define NARROW 0.5f       // lobes of GGX widths below this share of the spacing of directions count as ideal, and
+#define MAX_NARROW 0.07f  // below this: an ideal lobe has no tails [rad]
+#define NEAREST_STEPS 4   // tries to find a covered direction
 
 // What facets have received.
 typedef struct Incoming {
@@ -149,7 +150,7 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
 float3 scattered_light(const Incoming* in, const Scene* scene, const Splats* splats, const Bsdf* bsdf, uint facet,
                        uint behind, float3 position) {
   if (bsdf_is_black(bsdf)) return (float3)(0.0f);
-  const bool narrow = bsdf->alpha < NARROW * in->info.angle;
+  const bool narrow = bsdf->alpha < fmin(NARROW * in->info.angle, MAX_NARROW);
   const float cos_v = dot(bsdf->n_s, bsdf->view), schlick = schlick_weight(bsdf->eta, cos_v);
   float3 light = (float3)(0.0f);
   // Reflect what comes from the mirror direction.
