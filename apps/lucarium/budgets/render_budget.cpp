@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
@@ -120,7 +121,14 @@ void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const s
 
 bool finish_light(RenderSession& session, bool quiet) {
   Progress progress("propagating", quiet ? Progress::Style::quiet : Progress::Style::automatic);
-  return session.finish_light([&](const IterationResult& now) { progress.update(now.progress, now.phase); });
+  bool warned = false;
+  return session.finish_light([&](const IterationResult& now) {
+    if (now.progress < 0 && !now.light_done && !std::exchange(warned, true))
+      log_warning(
+          "when its light will be finished is unknown, perhaps never: the first frame waits for it; Ctrl-C "
+          "ends this");
+    progress.update(now.progress, now.phase);
+  });
 }
 
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,

@@ -83,3 +83,18 @@ TEST_CASE("walks that are stated wrong, or on a scene without a path, end before
   refuse("\"builtin:cornell\"", R"({"frames": 9})", 3, "there is no camera path to walk along");
   CHECK(count_files(folder.path()) == 1);
 }
+
+TEST_CASE("a walk says where it waits for light that may never be finished") {
+  const TemporaryFolder folder;
+  const auto walk = [&](const std::string& parameters) {
+    return run_lucarium("render builtin:cornell -t bundle_exchange:texels=1024," + parameters +
+                        " --camera-path walk --frames 0:0 --size 16x12 --spp 1 --overwrite -o " +
+                        (folder.path() / "frame_#.png").string());
+  };
+  const ProgramResult endless = walk("directions=0,stop_error=0.05"), limited = walk("directions=16");
+  CAPTURE(endless.err);
+  CHECK(endless.exit_code == 0);
+  CHECK(limited.exit_code == 0);
+  CHECK(contains(endless.err, "when its light will be finished is unknown"));
+  CHECK_FALSE(contains(limited.err, "is unknown"));
+}
