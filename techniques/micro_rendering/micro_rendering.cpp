@@ -37,7 +37,7 @@
 //   section 2.2, point hierarchy cut         gather/micro_cut.clh: cut_lanes(), advance_cut()
 //   section 2.2, selection criterion         gather/micro_solid_angle.clh: lanes_sphere_is_big():
 //                                            Ω_i > Ω(Φ⁻¹(ω_i)), solid angle of node against micro-pixel
-//   section 2.2, depth test                  gather/micro_splat.clh: splat_nodes(), splat_pixels()
+//   section 2.2, depth test                  gather/micro_pixels.clh: cover_pixels(); project_nodes()
 //   section 2.2, on-demand ray casting       gather/micro_splat.clh: cast_discs(), cast_disc(); the post-traversal list
 //                                            is filled by gather/micro_cut.clh: advance_cut()
 //   section 2.2, convolution                 gather/micro_gather.clh: micro_light()
