@@ -124,9 +124,7 @@ bool finish_light(RenderSession& session, bool quiet) {
   bool warned = false;
   return session.finish_light([&](const IterationResult& now) {
     if (now.progress < 0 && !now.light_done && !std::exchange(warned, true))
-      log_warning(
-          "when its light will be finished is unknown, perhaps never: the first frame waits for it; Ctrl-C "
-          "ends this");
+      log_warning("when its light will be finished is unknown, perhaps never; what follows waits for it");
     progress.update(now.progress, now.phase);
   });
 }

@@ -66,7 +66,8 @@ struct CheckContext {
   /// The scene in which repeatability, changes and limits are looked at, with light that the technique claims.
   Scene plain_scene() const;
 
-  /// Iterates until converged, else 64 samples or iterations: no time, so that a loaded machine changes no verdict.
+  /// Iterates until converged, else 64 samples or iterations, more where no sample counts before all light is there: no
+  /// time, so that a loaded machine changes no verdict.
   void run_long(RenderSession& session) const;
   /// A few iterations once there is progress, the same number every time.
   Picture run_short(RenderSession& session, uint64_t iterations = 3) const;

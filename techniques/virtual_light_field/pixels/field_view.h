@@ -63,8 +63,8 @@ class FieldView {
   Options options_;
   Frame frame_;
   uint32_t pixels_, samples_ = 0, field_samples_ = 0, shown_sweeps_ = 0;
-  std::unique_ptr<EyeLight> eye_;     ///< null where pixels walk,
-  std::unique_ptr<CameraRays> rays_;  ///< and this else
+  std::unique_ptr<EyeLight> eye_;     ///< null where pixels walk
+  std::unique_ptr<CameraRays> rays_;  ///< null where they do not
   LayerSums sums_;                    ///< means of what the field shows; where pixels walk, of emission, too
   TypedBuffer<float4> traced_, side_albedo_;
   std::unique_ptr<SpecularChains> chains_;  ///< null where no ray is sent

@@ -49,7 +49,7 @@ void measure_walk(Bars& bars, const Sizes& sizes) {
   bars.add("walk frame over its camera rays alone", 5, 2.5, median_ratio(all[0].cpu, all[2].cpu), true);
 }
 
-/// Device time of the pass that looks up, in `frames` frames from one camera [s].
+/// Device time of the pass that makes surfaces and looks up, in `frames` frames from one camera [s].
 double look_up_seconds(RenderSession& session, uint32_t frames) {
   session.scheduler().finish();
   session.scheduler().reset_profile();
@@ -83,19 +83,19 @@ void measure_look_ups(Bars& bars, const Sizes& sizes) {
   std::vector<std::unique_ptr<RenderSession>> bounces, lamps, triangles;
   for (const int count : {0, 1, 8, -1})
     bounces.push_back(settled(load_scene("builtin:cornell"), sizes, walkthrough(sizes), count));
-  bars.add("look-up pass, longest over shortest: 0, 1, 8, unlimited bounces", 1.1, 1.05,
+  bars.add("pass of surfaces and look-ups, longest over shortest: 0, 1, 8, unlimited bounces", 1.1, 1.05,
            spread_of_sessions(bounces, sizes.rounds), true);
   bounces.clear();
   for (const char* count : {"1", "10", "100"})
     lamps.push_back(settled(load_scene(std::string("builtin:lamps-") + count), sizes, walkthrough(sizes)));
-  bars.add("look-up pass, longest over shortest: 1, 10, 100 lamps", 1.1, 1.05, spread_of_sessions(lamps, sizes.rounds),
-           true);
+  bars.add("pass of surfaces and look-ups, longest over shortest: 1, 10, 100 lamps", 1.1, 1.05,
+           spread_of_sessions(lamps, sizes.rounds), true);
   lamps.clear();
   Sizes few = sizes;
   few.dir_n = 2;
   for (const char* count : {"1000", "10000", "100000"})
     triangles.push_back(settled(load_scene(std::string("builtin:blocks:triangles=") + count), sizes, walkthrough(few)));
-  bars.add("look-up pass, longest over shortest: 1000 to 100 000 triangles", 1.5, 1.2,
+  bars.add("pass of surfaces and look-ups, longest over shortest: 1000 to 100 000 triangles", 1.5, 1.2,
            spread_of_sessions(triangles, sizes.rounds), true);
 }
 

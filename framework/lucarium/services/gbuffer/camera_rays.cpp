@@ -47,8 +47,8 @@ void CameraRays::set_frame(const Frame& frame) {
   frame_ = frame;
 }
 
-size_t CameraRays::estimate_bytes(uint32_t width, uint32_t height) {
-  return size_t{width} * height * (sizeof(Ray) + sizeof(RayEnds) + sizeof(Hit));
+size_t CameraRays::estimate_bytes(uint32_t width, uint32_t height, bool ray_ends) {
+  return size_t{width} * height * (sizeof(Ray) + sizeof(Hit) + (ray_ends ? sizeof(RayEnds) : 0));
 }
 
 }  // namespace lucarium

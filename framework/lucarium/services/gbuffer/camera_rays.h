@@ -22,7 +22,8 @@ class CameraRays {
   void warm_up() { scheduler_->warm_up(trace_); }
   const TypedBuffer<Ray>& rays() const { return rays_; }  ///< width · height, rows from the top
   const TypedBuffer<Hit>& hits() const { return hits_; }
-  static size_t estimate_bytes(uint32_t width, uint32_t height);
+  /// ray_ends: of an intersector that wants them.
+  static size_t estimate_bytes(uint32_t width, uint32_t height, bool ray_ends = false);
 
  private:
   KernelScheduler* scheduler_;

@@ -28,9 +28,9 @@ namespace lucarium {
 /// The price: rays shorter than g get the radiance that is right for far receivers, so places close to an occluder
 /// receive too much; they count little in the result.
 ///
-/// Surfaces that transmit occlude nothing: what is close under glass is seen through it. But the light below glass
-/// often ends at a sharp edge, with the shadow of the lamp beside it, and only one of them is seen at a time. With
-/// `glass` texel sides therefore have two halves, whose light is kept apart: a part belongs to the covered half where
+/// With `glass`, surfaces that transmit occlude nothing: what is close under glass is seen through it. But the light
+/// below glass often ends at a sharp edge, with the shadow of the lamp beside it, and only one of them is seen at a
+/// time. Texel sides therefore have two halves then, whose light is kept apart: a part belongs to the covered half where
 /// most of its rays meet a surface that transmits within the gap, else to the open one. What is kept per texel side is
 /// then there twice, first for all open halves, then for all covered ones.
 ///
