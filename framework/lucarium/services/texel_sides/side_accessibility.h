@@ -30,9 +30,9 @@ namespace lucarium {
 ///
 /// With `glass`, surfaces that transmit occlude nothing: what is close under glass is seen through it. But the light
 /// below glass often ends at a sharp edge, with the shadow of the lamp beside it, and only one of them is seen at a
-/// time. Texel sides therefore have two halves then, whose light is kept apart: a part belongs to the covered half where
-/// most of its rays meet a surface that transmits within the gap, else to the open one. What is kept per texel side is
-/// then there twice, first for all open halves, then for all covered ones.
+/// time. Texel sides therefore have two halves then, whose light is kept apart: a part belongs to the covered half
+/// where most of its rays meet a surface that transmits within the gap, else to the open one. What is kept per texel
+/// side is then there twice, first for all open halves, then for all covered ones.
 ///
 /// Measured by rays of bundles (probe_pairs.cl), one bundle at a time, for the parts of side_parts.clh. Two or so rays
 /// per part suffice, and two bits to store it, rounded at random: the mean needs a to be right on average only.
