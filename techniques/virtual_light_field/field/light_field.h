@@ -63,7 +63,7 @@ class LightField {
   const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }
   const TypedBuffer<float4>& shown() const { return shown_; }
   const TypedBuffer<float4>& held() const { return held_; }
-  uint32_t halves() const { return halves_; }                        ///< of all texel sides
+  uint32_t half_count() const { return half_count_; }                ///< halves of all texel sides together
   const TypedBuffer<uint32_t>& covered() const { return covered_; }  ///< SideAccessibility::covered()
   /// Of the last sweep that has ended, xyz irradiance over π; w: Σ ΔΩ a of the rays that met the side [sr].
   const TypedBuffer<float4>& last() const { return last_; }
@@ -123,7 +123,7 @@ class LightField {
   DirectionGrid grid_;
   TileMaps maps_;
   bool tiled_;
-  uint32_t sides_, halves_;  ///< halves of all sides
+  uint32_t sides_, half_count_;  ///< halves of all sides
   TypedBuffer<float4> light_samples_, albedo_, records_, direct_, indirect_, last_, shown_direct_, shown_, held_;
   TypedBuffer<float> shares_;
   TypedBuffer<uint32_t> covered_;

@@ -81,9 +81,9 @@ __kernel void show_subfield(
     albedo += side_albedo[side].xyz;
   }
   // Add its diffuse light.
-  const uint own = half_at(atlas_info, halves, covered, atlas_triangles + hit.triangle, side, hit.u, hit.v);
-  const float4 once = shown_direct[own + side], more = shown[own + side];
-  if (once.w > 0.0f) light += albedo * once.xyz / once.w;
-  if (more.w > 0.0f) light += albedo * more.xyz / more.w;
-  layer[i].xyz = light;
+  const uint own = half_at(atlas_info, half_count, covered, atlas_triangles + hit.triangle, side, hit.u, hit.v);
+  const AtlasNeighbours alone = {{side, LUCARIUM_NONE, LUCARIUM_NONE, LUCARIUM_NONE}, {1.0f, 0.0f, 0.0f, 0.0f}};
+  const float4 once = held_or_other(atlas_info, half_count, own, &alone, shown_direct, shown_direct[own + side]);
+  const float4 more = held_or_other(atlas_info, half_count, own, &alone, shown, shown[own + side]);
+  layer[i].xyz = light + reflected_irradiance(once, albedo) + reflected_irradiance(more, albedo);
 }

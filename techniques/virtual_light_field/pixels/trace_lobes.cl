@@ -12,7 +12,7 @@ typedef struct Found {
   const __global AtlasTriangle* atlas_triangles;
   const __global uint* atlas_table;
   const __global uchar* atlas_links;
-  uint halves;
+  uint half_count;
   const __global uint* covered;
   const __global float4* held;
   const __global float4* side_albedo;
@@ -35,11 +35,10 @@ bool chain_surface(Found* found, const Scene* scene, const SpecularChain* chain,
   if (side == LUCARIUM_NONE) return false;
   const AtlasNeighbours around = atlas_neighbours(found->atlas_info, found->atlas_triangles, found->atlas_table,
                                                   found->atlas_links, hit.triangle, hit.u, hit.v, front);
-  const uint own = half_at(found->atlas_info, found->halves, found->covered, found->atlas_triangles + hit.triangle,
-                           side, hit.u, hit.v),
-             other = found->halves - found->atlas_info.texel_count - own;
-  float4 held = atlas_interpolated(&around, found->held + own);
-  if (other != own && !(held.w > 0.0f)) held = atlas_interpolated(&around, found->held + other);
+  const uint own = half_at(found->atlas_info, found->half_count, found->covered, found->atlas_triangles + hit.triangle,
+                           side, hit.u, hit.v);
+  const float4 held = held_or_other(found->atlas_info, found->half_count, own, &around, found->held,
+                                    atlas_interpolated(&around, found->held + own));
   const Bsdf bsdf = make_bsdf(scene, surface, 0u);
   const uint facet = found->field.side_facet[side];
   float3 albedo = bsdf.diffuse, light = (float3)(0.0f);
@@ -88,8 +87,8 @@ __kernel void advance_rays(LUCARIUM_CHAIN_PARAMETERS AtlasInfo atlas_info,
                            __global const float4* restrict side_albedo, __global const uint* restrict direct,
                            __global const uint* restrict total, uint split, uint fold,
                            __global float4* restrict light) {
-  Found found = {light, atlas_info,  atlas_triangles, atlas_table, atlas_links, halves, covered,
-                 held,  side_albedo, direct,          total,       split,       fold,   FIELD_LOOKUP_BIND};
+  Found found = {light, atlas_info,  atlas_triangles, atlas_table, atlas_links, half_count, covered,
+                 held,  side_albedo, direct,          total,       split,       fold,       FIELD_LOOKUP_BIND};
   LUCARIUM_ADVANCE_CHAINS(&found);
 }
 

@@ -2,7 +2,8 @@
 // The end of a sweep at texel sides: irradiance from what has arrived, and what they send in the next sweep.
 //
 // Of scenes with glass texel sides have two halves (SideAccessibility); then everything that is kept of texel sides is
-// there twice, first for all open halves, then for all covered ones. `halves`: how many there are, 2 sides or sides.
+// there twice, first for all open halves, then for all covered ones. half_count: halves of all sides together, as many
+// as there are sides or twice as many.
 //
 // Record of a half, two float4:
 //   [0] xyz: radiance that it sends by its diffuse lobe [cd/m^2]; w: bits of its facet, LUCARIUM_NONE: none
@@ -12,10 +13,10 @@
 #include "virtual_light_field/scatter/norms.clh"
 
 // Before the first sweep texel sides send what they emit.
-__kernel void emit_sides(uint sides, uint halves, __global const AtlasMaterial* restrict atlas_materials,
+__kernel void emit_sides(uint sides, uint half_count, __global const AtlasMaterial* restrict atlas_materials,
                          __global const uint* restrict side_facet, __global float4* restrict records) {
   const uint half_side = get_global_id(0), side = half_side % sides;
-  if (half_side >= halves) return;
+  if (half_side >= half_count) return;
   records[2u * half_side] = (float4)(atlas_materials[side].emission.xyz, as_float(side_facet[side]));
   records[2u * half_side + 1u] = (float4)(0.0f);
 }
@@ -23,27 +24,33 @@ __kernel void emit_sides(uint sides, uint halves, __global const AtlasMaterial* 
 // Irradiance over pi, e = sum w L / sum w (a ratio, exact in a uniform field whatever the rays), of sweep `sweep`; in
 // the first one that of light samples, unless all light is exchanged. Work-item: FIELD_NORM_CHUNK halves. albedo: per
 // texel side, xyz of what it reflects diffusely. shares: of the side's area. direct, indirect: xyz the direct e, then
-// the sum over later sweeps. last: xyz e of this sweep, w: sum of w [sr].
-__kernel void fold_sides(uint sides, uint halves, uint sweep, uint sampled, __global const float4* restrict albedo,
-                         __global const AtlasTexel* restrict atlas_texels, __global const float* restrict shares,
-                         __global const float4* restrict light_samples, __global float4* restrict records,
-                         __global float4* restrict direct, __global float4* restrict indirect,
-                         __global float4* restrict last, __global float4* restrict norms) {
+// the sum over later sweeps. last: xyz e of this sweep, w: sum of w [sr]. exchanged: 1: emitters or a sky send light.
+__kernel void fold_sides(uint sides, uint half_count, uint sweep, uint sampled, uint exchanged,
+                         __global const float4* restrict albedo, __global const AtlasTexel* restrict atlas_texels,
+                         __global const float* restrict shares, __global const float4* restrict light_samples,
+                         __global float4* restrict records, __global float4* restrict direct,
+                         __global float4* restrict indirect, __global float4* restrict last,
+                         __global float4* restrict norms) {
   const uint chunk = get_global_id(0), first = chunk * FIELD_NORM_CHUNK;
-  if (first >= halves) return;
+  if (first >= half_count) return;
   float4 sums[FIELD_NORMS];
   for (uint k = 0u; k < FIELD_NORMS; ++k) sums[k] = (float4)(0.0f);
-  for (uint i = first; i < min(first + FIELD_NORM_CHUNK, halves); ++i) {
+  for (uint i = first; i < min(first + FIELD_NORM_CHUNK, half_count); ++i) {
     const uint side = i % sides;
     const float4 received = records[2u * i + 1u];
     float4 e = received.w > 0.0f ? (float4)(received.xyz / received.w, 1.0f) : (float4)(0.0f);
     if (sweep == 0u) {
-      // None of the samples may lie in a small half.
+      // A small half may have no sample. It has the other's, unless it has exchanged light: samples stop at glass, and
+      // what later sweeps bring to this half is what is missing in its own direct light, not in the other's.
       float4 samples = light_samples[i];
-      if (!(samples.w > 0.0f) && halves > sides) samples = light_samples[i < sides ? i + sides : side];
+      const bool borrows = !(samples.w > 0.0f) && half_count > sides;
+      if (borrows) samples = light_samples[i < sides ? i + sides : side];
       const float4 lit = samples.w > 0.0f ? (float4)(samples.xyz * (M_1_PI_F / samples.w), 1.0f) : (float4)(0.0f);
       // Punctual lights are always sampled; emitters and the sky too where `sampled`.
-      e = sampled ? lit : (float4)(e.xyz + lit.xyz, fmax(e.w, lit.w));
+      if (!sampled)
+        e = (float4)(e.xyz + lit.xyz, fmax(e.w, lit.w));
+      else if (!borrows || !exchanged || !(e.w > 0.0f))
+        e = lit;
       direct[i] = e;
       indirect[i] = (float4)(0.0f);
     } else {
@@ -75,12 +82,12 @@ __kernel void sum_norms(uint chunks, __global const float4* restrict partial, __
 
 // What is displayed, times what it counts in interpolation (accessibility): w. tail: of the last sweep, per channel.
 // held: all light, for rays of pixels, which scatter it once more: with `hold` without that of the last sweep.
-__kernel void show_sides(uint halves, float4 tail, uint hold, __global const float* restrict shares,
+__kernel void show_sides(uint half_count, float4 tail, uint hold, __global const float* restrict shares,
                          __global const float4* restrict direct, __global const float4* restrict indirect,
                          __global const float4* restrict last, __global float4* restrict shown_direct,
                          __global float4* restrict shown, __global float4* restrict held) {
   const uint i = get_global_id(0);
-  if (i >= halves) return;
+  if (i >= half_count) return;
   const float share = shares[i];
   shown_direct[i] = (direct[i].w > 0.0f ? share : 0.0f) * (float4)(direct[i].xyz, 1.0f);
   const float3 total = indirect[i].xyz + tail.xyz * last[i].xyz;

@@ -21,22 +21,23 @@ namespace {
 constexpr float height = 0.05f;  // of the sheet above the floor [m]: half an edge of a texel
 constexpr float half_sheet = 0.5f, half_floor = 1.6f, albedo = 0.5f;
 
-Scene invisible_sheet() {
+/// `turned`: the sheet about the vertical [rad].
+Scene invisible_sheet(float turned = 0) {
   Scene scene;
   scene.environment = Environment{};
   scene.environment->factor = glm::vec3(1);
-  const auto add_square = [&](float half, float y, const SceneMaterial& material) {
-    test::add_polygon(scene, {{-half, y, half}, {half, y, half}, {half, y, -half}, {-half, y, -half}},
-                      test::add_material(scene, material));
+  const auto add_square = [&](float half, float y, float angle, const SceneMaterial& material) {
+    const glm::vec3 x = half * glm::vec3(std::cos(angle), 0, std::sin(angle)), z(-x.z, 0, x.x), up(0, y, 0);
+    test::add_polygon(scene, {up - x + z, up + x + z, up + x - z, up - x - z}, test::add_material(scene, material));
   };
-  add_square(half_floor, 0, test::lambert(albedo));
+  add_square(half_floor, 0, 0, test::lambert(albedo));
   SceneMaterial sheet;
   sheet.metallic = 0;
   sheet.roughness = 0;
   sheet.ior = 1;
   sheet.transmission = 1;
   sheet.double_sided = true;
-  add_square(half_sheet, height, sheet);
+  add_square(half_sheet, height, turned, sheet);
   // From just below the sheet: 24 pixels of 10 cm.
   SceneCamera camera;
   camera.name = "below";
@@ -85,6 +86,36 @@ TEST_CASE("a sheet that nobody sees takes no light from texels that lie partly u
     MESSAGE(eye.front().second << ": inside " << mean.inside << ", outside " << mean.outside);
     CHECK(mean.inside == relative(1, 0.05));
     CHECK(mean.outside == relative(1, 0.05));
+  }
+}
+
+TEST_CASE("halves without a light sample get the light of one sky, not of two or none") {
+  vlf::Parameters parameters;
+  parameters.dir_n = 8;
+  parameters.cells = 64;
+  parameters.texels = 1200;
+  test::FieldRig rig(invisible_sheet(0.6f), parameters);
+  rig.propagate();
+  const std::vector<AtlasTexel> texels = rig.surfaces().atlas.texels().download();
+  const std::vector<float> shares = rig.surfaces().accessibility.shares().download();
+  const std::vector<float4> samples = rig.surfaces().light.light_samples().download();
+  const std::vector<uint32_t> instances = rig.instances();
+  const std::vector<double> direct = rig.direct(), all = rig.all();
+  for (const size_t first : {size_t{0}, texels.size()}) {
+    double area = 0, of_direct = 0, sum = 0;
+    for (size_t side = 0; side < texels.size(); ++side) {
+      const size_t half = first + side;
+      if (instances[side] != 0 || samples[half].w > 0) continue;
+      const auto own = static_cast<double>(texels[side].area * shares[half]);
+      area += own;
+      of_direct += own * direct[half];
+      sum += own * all[half];
+    }
+    const std::string which = first == 0 ? "open" : "covered";
+    CAPTURE(which);
+    REQUIRE(area > 0);
+    MESSAGE(which << ": " << area << " m2, direct " << of_direct / area << ", all " << sum / area);
+    CHECK(sum / area == relative(1, 0.05));
   }
 }
 
