@@ -14,9 +14,10 @@
 #include "virtual_light_field/scatter/splat_lobes.clh"
 #include "virtual_light_field/tiles/subfield_cells.clh"
 
-#define LOBE_CUT 1e-3f    // of the largest value of a lobe: what is below does not count
-#define NARROW 0.5f       // lobes of GGX widths below this share of the spacing of directions count as ideal, and
-#define MAX_NARROW 0.07f  // below this: an ideal lobe has no tails [rad]
+#define LOBE_CUT 1e-3f  // of the largest value of a lobe: what is below does not count
+// A lobe counts as ideal whose GGX width alpha is below both limits; wider ones have tails, which an ideal one lacks.
+#define NARROW 0.5f       // share of the spacing of directions
+#define MAX_NARROW 0.07f  // alpha [1]
 #define NEAREST_STEPS 4   // tries to find a covered direction
 
 // What facets have received.
@@ -137,6 +138,19 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
       through += g * radiance.xyz;
       passed += g;
     }
+  }
+  // Where no direction lies within a lobe, it shows what an ideal one does.
+  const float cos_out = dot(bsdf->n_s, bsdf->view);
+  if (reflects && is_black(share)) {
+    const float3 from = normalize(2.0f * cos_out * bsdf->n_s - bsdf->view);
+    share = (float3)(dot(bsdf->n_g, from) > 0.0f ? 1.0f : 0.0f);
+    if (share.x > 0.0f) light = ideal_radiance(in, facet, from, bsdf->n_g, position);
+  }
+  if (transmits && is_black(passed) && schlick_weight(bsdf->eta, cos_out) >= 0.0f) {
+    const bool straight = bsdf->flags & LUCARIUM_BSDF_THIN;
+    const float3 from = straight ? -bsdf->view : refract_at(bsdf->view, bsdf->n_s, bsdf->eta);
+    passed = (float3)(dot(bsdf->n_g, from) < 0.0f ? 1.0f : 0.0f);
+    if (passed.x > 0.0f) through = ideal_radiance(in, behind, from, -bsdf->n_g, position);
   }
   // Scale the means by the albedo of each lobe.
   float3 sum = (float3)(0.0f);

@@ -82,8 +82,9 @@ TEST_CASE("a sheet that nobody sees takes no light from texels that lie partly u
       mean.inside += one.inside / seeds;
       mean.outside += one.outside / seeds;
     }
-    CAPTURE(eye.front().second);
-    MESSAGE(eye.front().second << ": inside " << mean.inside << ", outside " << mean.outside);
+    const std::string eyes = eye.front().first + "=" + eye.front().second;
+    CAPTURE(eyes);
+    MESSAGE(eyes << ": inside " << mean.inside << ", outside " << mean.outside);
     CHECK(mean.inside == relative(1, 0.05));
     CHECK(mean.outside == relative(1, 0.05));
   }
