@@ -15,7 +15,7 @@ namespace lucarium::vlf {
 TechniqueInfo technique_info() {
   TechniqueInfo info;
   info.name = "virtual_light_field";
-  info.version = "1.0";
+  info.version = "1.1";
   info.summary = "light field along fixed directions, propagated once and looked up in constant time";
   info.citation =
       "J. Mortensen, P. Khanna, M. Slater, Light Field Propagation and Rendering on the GPU, AFRIGRAPH 2007";

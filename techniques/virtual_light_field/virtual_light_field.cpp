@@ -106,13 +106,6 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     const SurfaceAtlas& atlas = surfaces_->atlas;
     const uint32_t side = side_at(atlas, point.triangle, point.b1, point.b2, point.front);
     auto rows = describe_side(atlas, side, field_->shown(), "irradiance of later bounces");
-    if (side != LUCARIUM_NONE && field_->half_count() > atlas.info().texel_count) {
-      const float4 e = field_->shown().download(atlas.info().texel_count + side, 1).front();
-      const float scale = static_cast<float>(pi) / e.w;
-      if (e.w > 0)
-        rows.emplace_back("the same close under glass",
-                          fmt::format("{:.4g}  {:.4g}  {:.4g} lx", scale * e.x, scale * e.y, scale * e.z));
-    }
     for (auto& row : describe_tiles(field_->maps(), side)) rows.push_back(std::move(row));
     rows.emplace_back("sweeps so far", std::to_string(field_->sweeps()));
     return rows;

@@ -124,7 +124,9 @@ bool finish_light(RenderSession& session, bool quiet) {
   bool warned = false;
   return session.finish_light([&](const IterationResult& now) {
     if (now.progress < 0 && !now.light_done && !std::exchange(warned, true))
-      log_warning("when its light will be finished is unknown, perhaps never; what follows waits for it");
+      log_warning(
+          "when its light will be finished is unknown, perhaps never, and what follows waits for it; give it an "
+          "end, as directions=N, or press Ctrl-C");
     progress.update(now.progress, now.phase);
   });
 }

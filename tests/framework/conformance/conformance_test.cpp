@@ -110,6 +110,10 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a technique that has no light before its seventieth iteration is compared with all its light") {
+  CHECK(verdict("faulty", {{"fault", "late"}}, "reference/light/emissive") == Verdict::passed);
+}
+
 TEST_CASE("the bias that counts is the one that the parameters admit") {
   const char* group = "light/point";
   CHECK(verdict("biased", {{"gain", "1.1"}, {"admits", "0.15"}}, group) == Verdict::passed);

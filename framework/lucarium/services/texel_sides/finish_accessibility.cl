@@ -17,11 +17,7 @@ uint dithered_level(float accessible, uint side, uint part) {
 
 #ifdef SIDE_HALVES
 #define FINISH_GLASS_PARAMETERS __global const uint *restrict glass, __global uint *restrict covered,
-#else
-#define FINISH_GLASS_PARAMETERS
-#endif
 
-#ifdef SIDE_HALVES
 // Of a part: rays that meet no backs, of them those that meet what transmits.
 typedef struct PartRays {
   uint all, glass;
@@ -40,6 +36,8 @@ PartRays rays_around(const __global uint* own, const __global uint* own_glass, u
     }
   return sum;
 }
+#else
+#define FINISH_GLASS_PARAMETERS
 #endif
 
 // counts, glass: see probe_pairs.cl. interior, hidden: TexelInterior. share: share of the texel side's area that its

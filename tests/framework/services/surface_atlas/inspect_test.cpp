@@ -40,4 +40,21 @@ TEST_CASE("light at a side is shown as irradiance of its open part") {
   CHECK(rows[3].first == "light");
   CHECK(rows[3].second == "3.142  6.283  12.57 lx");
   CHECK(describe_side(atlas, LUCARIUM_NONE, buffer, "light").size() == 1);
+
+  // A fifth of it, under glass, has light of its own; another side has nothing else.
+  shown.resize(2 * size_t{sides});
+  shown[sides + 3] = float4(0.2f, 0, 0, 0.2f);
+  shown[4] = float4(0, 0, 0, 0);
+  shown[sides + 4] = float4(0.2f, 0, 0, 0.2f);
+  const auto both = describe_side(atlas, 3, test_buffer(shown), "light");
+  REQUIRE(both.size() == 6);
+  CHECK(both[2].second == "70 %");
+  CHECK(both[3].second == "3.142  6.283  12.57 lx");
+  CHECK(both[4].second == "20 %");
+  CHECK(both[5].first == "light there");
+  CHECK(both[5].second == "3.142  0  0 lx");
+  const auto covered = describe_side(atlas, 4, test_buffer(shown), "light");
+  REQUIRE(covered.size() == 5);
+  CHECK(covered[2].second == "20 %");
+  CHECK(covered[4].second == "3.142  0  0 lx");
 }

@@ -3,7 +3,8 @@
 // faulty: a path tracer that breaks one promise at a time
 //
 // With fault=none and gain=1 it is right. Each other value of `fault` breaks what one check of the conformance kit
-// looks at, so that the kit's own test can see every check fail. FAULTY_DECLARATION and BIASED change what it declares.
+// looks at, so that the kit's own test can see every check fail; `late` breaks none, but begins late.
+// FAULTY_DECLARATION and BIASED change what it declares.
 #include <atomic>
 #include <chrono>
 #include <limits>
@@ -34,6 +35,7 @@ enum class Fault {
   understated,
   uncounted,
   slow,
+  late,
   traces,
   deaf_to_cancel,
   outside,
@@ -65,6 +67,7 @@ struct FaultyParameters {
               {"understated", Fault::understated},
               {"uncounted", Fault::uncounted},
               {"slow", Fault::slow},
+              {"late", Fault::late},
               {"traces", Fault::traces},
               {"deaf_to_cancel", Fault::deaf_to_cancel},
               {"outside", Fault::outside},
@@ -145,6 +148,7 @@ class Faulty : public Technique {
   IterationResult iterate() override {
     if (is(Fault::slow)) std::this_thread::sleep_for(std::chrono::milliseconds(1300));
     if (outside_) context_->scheduler.run(outside_);
+    if (is(Fault::late) && waited_ < late_iterations) return wait();
     if (!integrator_->iterate()) {
       if (is(Fault::traces)) trace_ *= 1.01f;
       if (is(Fault::deaf_to_cancel)) std::this_thread::sleep_for(std::chrono::milliseconds(1300));
@@ -175,8 +179,17 @@ class Faulty : public Technique {
   void warm_up() override { integrator_->warm_up(); }
 
  private:
+  static constexpr int late_iterations = 70;
+
   bool is(Fault fault) const { return parameters_.fault == fault; }
   uint64_t used_seed() const { return is(Fault::unseeded) ? seed_ + 1000 * instance_ : seed_; }
+
+  /// An iteration of many without which there is no light; no fault.
+  IterationResult wait() {
+    IterationResult result;
+    result.progress = 0.5 * ++waited_ / late_iterations;
+    return result;
+  }
 
   void make_integrator() {
     integrator_.reset();
@@ -222,7 +235,7 @@ class Faulty : public Technique {
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1, instance_ = 0;
-  int resolves_ = 0;
+  int resolves_ = 0, waited_ = 0;
   float trace_ = 1;
   Program program_;
   TypedBuffer<float> values_;
