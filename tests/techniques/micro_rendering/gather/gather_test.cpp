@@ -5,6 +5,7 @@
 #include "lucarium/base/numbers.h"
 #include "synthetic_forest.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using test::dvec3;
@@ -87,6 +88,36 @@ TEST_CASE("a floor under a parallel disc gets R^2 / (R^2 + h^2)") {
       const double light = mean_over_frames(forest, {{dvec3(0), dvec3(0, 0, 1)}}, 16, {{"MICRO_HOLE_FILL", fill}});
       MESSAGE("height " << height << " fill " << std::string(fill) << " ratio " << light * (1 + height * height));
       CHECK(std::abs(light * (1 + height * height) - 1) < 0.02);
+    }
+  }
+}
+
+TEST_CASE("discs that overlap share their plane: light does not move towards one of its sides") {
+  // From below its middle the two halves of a ceiling, one shining at a time, give the same; as splats of coarse and
+  // fine micro-buffers, and as few discs that are cast.
+  struct Case {
+    int rows;
+    uint32_t edge;
+  };
+  for (const Case& c : {Case{128, 8}, Case{128, 24}, Case{16, 24}}) {
+    for (const int axis : {0, 1}) {
+      CAPTURE(c.rows);
+      CAPTURE(axis);
+      double light[2];
+      for (const int side : {0, 1}) {
+        std::vector<test::SurfacePointLight> points;
+        for (int i = 0; i < c.rows * c.rows; ++i) {
+          const dvec3 p(4 * (i % c.rows + 0.5) / c.rows - 2, 4 * (i / c.rows + 0.5) / c.rows - 2, 1);
+          points.push_back({p, dvec3(0, 0, -1), dvec3((p[axis] > 0) == (side == 1) ? 1 : 0)});
+        }
+        test::SyntheticForest forest;
+        forest.add(points, 16);
+        const std::vector<test::GatherPoint> middle(
+            16, test::GatherPoint{dvec3(0), dvec3(0, 0, 1), dvec3(0, 0, 1), 0.5, c.edge});
+        light[side] = mean_over_frames(forest, middle, 64);
+      }
+      MESSAGE("one half over the other " << light[1] / light[0]);
+      CHECK(light[1] == test::relative(light[0], 0.02));
     }
   }
 }
