@@ -26,7 +26,7 @@ constexpr Moving animations[] = {
     {"builtin:debris", "debris, 4000 pieces", 0},
     {"builtin:debris:pieces=20000", "debris, 20 000 pieces", 0},
 };
-constexpr uint32_t sizes[] = {640, 1280};
+constexpr uint32_t sizes[] = {320, 640, 1280};
 constexpr double start_seconds = 0.9, frame_seconds = 1.0 / 30;
 
 /// Rays per frame up to which building in `build` [s] and tracing in `ray` [s] each beats the other way, in text.
