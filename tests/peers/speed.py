@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""How fast Lucarium's path tracer is beside Mitsuba 3 and Cycles: Sponza, the same triangles, textures and paths.
+"""How fast Lucarium's path tracer is beside Mitsuba 3 and Cycles: the same triangles, textures and paths.
 
 Renderers take turns, one image each per round, after a first one that is not counted (compilation, acceleration
-structures). Per renderer: samples per second, the relative error of one image from the differences between rounds, and
-the time in which an image of the wanted error is done, error being inversely proportional to samples. CPU time is
-listed beside wall time, since it suffers less from what else runs on the machine. Exit code 77 without Sponza.
+structures). Per renderer: samples per second, the relative error of one image from the differences between rounds, the
+time in which an image of the wanted error is done, error being inversely proportional to samples, and ours over it. CPU
+time is listed beside wall time, since it suffers less from what else runs on the machine. Scenes whose files are not
+there are skipped; exit code 77 without any.
 """
 
 import argparse
@@ -29,8 +30,16 @@ except ImportError as error:
     sys.exit(77)
 
 BOUNCES = 5
-OPTIONS = ("--material", f"*:{scenes.LAMBERT}", "--light", "directional:0.20,-0.96,0.18:20", "--environment", "0.5",
-           "--texture-size", "512", "--camera=-10,2,-0.4:8,4.5,0:57")
+# Source and options; surfaces are Lambert, which all renderers have as their own.
+SCENES = {
+    "sponza": ("scenes/sponza_crytek/sponza.gltf",
+               ("--light", "directional:0.20,-0.96,0.18:20", "--environment", "0.5", "--texture-size", "512",
+                "--camera=-10,2,-0.4:8,4.5,0:57")),
+    "bathroom": ("scenes/bathroom_salle_de_bain.glb", ()),
+    # Cycles' area lights reflect nothing.
+    "classroom": ("scenes/classroom_luxcore.glb", ("--material", "portal:base_color=0")),
+    "atrium": ("builtin:atrium", ()),
+}
 
 
 def without_normal_maps(file):
@@ -49,6 +58,7 @@ class Ours:
 
     def __init__(self, file, folder, size, samples):
         self.file, self.folder, self.size, self.samples = file, folder, size, samples
+        self.one_run(1, 0)
 
     def one_run(self, samples, seed):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -109,9 +119,9 @@ def summary(renderer, images, walls, cpus, size, target):
             "mean": float(luminance)}
 
 
-def renderers(arguments, file, scene, size):
+def renderers(arguments, file, folder, scene, size):
     """Those that are installed, by name; warns about the others."""
-    folder, samples = Path(arguments.out), arguments.samples
+    samples = arguments.samples
     makers = {
         "lucarium": lambda: Ours(file, folder, size, samples),
         "mitsuba llvm_ad_rgb": lambda: Mitsuba("llvm_ad_rgb", scene, folder / "llvm", size, samples),
@@ -132,6 +142,7 @@ def renderers(arguments, file, scene, size):
 def parse():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", default="results/peers_speed")
+    parser.add_argument("--scene", action="append", choices=SCENES, help="may be repeated; default: all")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--samples", type=int, default=16, help="per pixel and image")
     parser.add_argument("--size", default="640x360")
@@ -140,40 +151,57 @@ def parse():
     return parser.parse_args()
 
 
-def main():
-    arguments = parse()
-    size = tuple(int(x) for x in arguments.size.split("x"))
-    folder = Path(arguments.out)
-    folder.mkdir(parents=True, exist_ok=True)
-    file = folder / "sponza.glb"
-    try:
-        lucarium.export(scenes.shared_file("scenes/sponza_crytek/sponza.gltf"), OPTIONS, file)
-    except lucarium.Missing as missing:
-        print(f"skipped: {missing}")
-        return 77
+def export(name, folder):
+    """The scene's file, as all renderers read it; throws lucarium.Missing."""
+    source, options = SCENES[name]
+    if not source.startswith("builtin:"):
+        source = scenes.shared_file(source)
+    file = folder / f"{name}.glb"
+    lucarium.export(source, ("--material", f"*:{scenes.LAMBERT}", *options), file)
     without_normal_maps(file)
-    sides = renderers(arguments, file, gltf.read(file), size)
+    return file
+
+
+def measure(arguments, file, folder, size):
+    """Summaries by name of the renderer."""
+    folder.mkdir(exist_ok=True)
+    sides = renderers(arguments, file, folder, gltf.read(file), size)
     images, walls, cpus = ({name: [] for name in sides} for _ in range(3))
     for round_number in range(1, arguments.rounds + 1):
         for name, renderer in sides.items():
             image, wall, cpu = renderer.render(round_number)
             images[name].append(image), walls[name].append(wall), cpus[name].append(cpu)
-    results = {
-    name: summary(
-        r,
-        images[name],
-        walls[name],
-        cpus[name],
-        size,
-        arguments.target) for name,
-         r in sides.items()}
-    (folder / "speed.json").write_text(json.dumps(results, indent=1) + "\n")
-    print(f"{'':20} Msamples/s wall, CPU   relMSE   seconds to relMSE {arguments.target} wall, CPU   mean")
+    return {name: summary(side, images[name], walls[name], cpus[name], size, arguments.target)
+            for name, side in sides.items()}
+
+
+def show(scene, results, target):
+    ours = results.get("lucarium")
+    print(f"{scene:20} Msamples/s wall, CPU   relMSE   seconds to relMSE {target} wall, CPU   ours over it     mean")
     for name, r in results.items():
+        over = ours["wall_seconds_to_target"] / r["wall_seconds_to_target"] if ours else float("nan")
+        over_cpu = ours["cpu_seconds_to_target"] / r["cpu_seconds_to_target"] if ours else float("nan")
         print(f"{name:20} {r['msamples_per_wall_second']:8.3f} {r['msamples_per_cpu_second']:8.3f}   "
-              f"{r['relmse']:8.4f}   "
-              f"{r['wall_seconds_to_target']:10.2f} {r['cpu_seconds_to_target']:10.2f}   {r['mean']:12.5f}")
-    return 0
+              f"{r['relmse']:8.4f}   {r['wall_seconds_to_target']:10.2f} {r['cpu_seconds_to_target']:10.2f}   "
+              f"{over:12.2f} {over_cpu:6.2f}   {r['mean']:12.5f}", flush=True)
+
+
+def main():
+    arguments = parse()
+    size = tuple(int(x) for x in arguments.size.split("x"))
+    folder = Path(arguments.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    results = {}
+    for scene in arguments.scene or SCENES:
+        try:
+            file = export(scene, folder)
+        except lucarium.Missing as missing:
+            print(f"skipped: {scene}: {missing}")
+            continue
+        results[scene] = measure(arguments, file, folder / scene, size)
+        show(scene, results[scene], arguments.target)
+        (folder / "speed.json").write_text(json.dumps(results, indent=1) + "\n")
+    return 0 if results else 77
 
 
 if __name__ == "__main__":
