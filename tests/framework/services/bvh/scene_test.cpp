@@ -140,6 +140,37 @@ TEST_CASE("a material that becomes transparent needs new passes, and says so") {
   CHECK(tracer.trace(bvh, rays_down(1)).hits[0].distance == 2);
 }
 
+TEST_CASE("every triangle knows whether its material lets rays through, also after a change of materials") {
+  Tracer tracer;
+  SceneMaterial veil;
+  veil.alpha_mode = AlphaMode::blend;
+  veil.base_color.a = 0;
+  Scene scene = two_squares(veil);
+  const auto depth_of = [](int i) { return 1 - 0.01f * static_cast<float>(i); };
+  for (int i = 2; i < 60; ++i) place(scene, i < 40 ? 1 : 0, at_depth(depth_of(i)));
+  scene.instances[1].material = 1;
+  evaluate(scene, 0);
+  SceneBuffers buffers(tracer.device(), scene);
+  for (const BvhTraversal traversal : traversals) {
+    Bvh bvh(tracer.device(), scene, buffers, traversal);
+    for (const Hit& hit : tracer.trace(bvh, rays_down(4)).hits) CHECK(hit.triangle / 2 == 40);
+    const uint64_t generation = bvh.generation();
+    const auto change_to = [&](AlphaMode mode) {
+      scene.materials[0] = veil;
+      scene.materials[0].alpha_mode = mode;
+      SceneChange change;
+      change.materials = {0};
+      buffers.update(scene, change);
+      bvh.update(scene, buffers, change);
+    };
+    change_to(AlphaMode::blend);
+    for (const Hit& hit : tracer.trace(bvh, rays_down(4)).hits) CHECK(hit.triangle == LUCARIUM_NO_HIT);
+    change_to(AlphaMode::opaque);
+    for (const Hit& hit : tracer.trace(bvh, rays_down(4)).hits) CHECK(hit.triangle / 2 == 40);
+    CHECK(bvh.generation() == generation);  // recorded passes stay valid
+  }
+}
+
 TEST_CASE("moved instances are followed") {
   Tracer tracer;
   Scene scene = two_squares(SceneMaterial{});
