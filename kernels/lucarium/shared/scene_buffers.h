@@ -10,6 +10,7 @@
   X(SceneInfo, scene_info, "one element: bounds, counts, environment")                                              \
   X(Vertex, scene_vertices, "world-space vertices")                                                                 \
   X(Triangle, scene_triangles, "world-space triangles")                                                             \
+  X(uint, scene_alpha, "a bit per triangle, 32 in each: whether its material is MASK or BLEND")                     \
   X(Instance, scene_instances, "transforms, ranges, material")                                                      \
   X(Material, scene_materials, "")                                                                                  \
   X(Texture, scene_textures, "")                                                                                    \

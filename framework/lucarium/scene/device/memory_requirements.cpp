@@ -48,6 +48,7 @@ SceneBufferCounts count_elements(const Scene& scene, const SceneLayout& layout) 
   counts.scene_info = 1;
   counts.scene_vertices = layout.world_vertices;
   counts.scene_triangles = counts.scene_triangle_lights = layout.world_triangles;
+  counts.scene_alpha = (layout.world_triangles + 31) / 32;
   counts.scene_instances = scene.instances.size();
   counts.scene_materials = scene.materials.size();
   counts.scene_textures = scene.textures.size();

@@ -124,6 +124,7 @@ void SceneBuffers::upload_materials(const Scene& scene) {
   std::vector<Material> records;
   for (size_t i = 0; i < scene.materials.size(); ++i) records.push_back(pack_material(scene.materials[i], colored[i]));
   store(scene_materials, "materials", records);
+  store(scene_alpha, "alpha bits", alpha_bits(scene, layout_));
 }
 
 void SceneBuffers::upload_vertices(const Mesh& mesh, uint32_t first) {

@@ -99,6 +99,16 @@ bool SceneLayout::fits(const Scene& scene) const {
   return true;
 }
 
+std::vector<uint32_t> alpha_bits(const Scene& scene, const SceneLayout& layout) {
+  std::vector<uint32_t> words((layout.world_triangles + 31) / 32);
+  for (const Instance& instance : layout.instances) {
+    if (scene.materials[instance.material].alpha_mode == AlphaMode::opaque) continue;
+    const uint32_t end = instance.world_triangle + instance.triangle_count;
+    for (uint32_t t = instance.world_triangle; t < end; ++t) words[t / 32] |= 1u << t % 32;
+  }
+  return words;
+}
+
 Vertex pack_vertex(const Mesh& mesh, size_t i) {
   constexpr float largest_half = 65504.f;
   const glm::vec2 uv0 = mesh.uv[0].empty() ? glm::vec2(0) : mesh.uv[0][i];

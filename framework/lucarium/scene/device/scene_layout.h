@@ -28,6 +28,9 @@ struct SceneLayout {
   bool fits(const Scene& scene) const;
 };
 
+/// scene_alpha: bit t mod 32 of word t / 32 says whether the material of world triangle t is MASK or BLEND.
+std::vector<uint32_t> alpha_bits(const Scene& scene, const SceneLayout& layout);
+
 /// Sets transform, normal transform and flags of a record.
 void place_instance(Instance& record, const SceneInstance& instance);
 

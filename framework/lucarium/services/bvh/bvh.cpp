@@ -10,7 +10,6 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
-#include "lucarium/services/bvh/alpha_bits.h"
 #include "lucarium/services/bvh/moving_parts.h"
 #include "lucarium/services/bvh/two_level_bvh.h"
 
@@ -106,7 +105,6 @@ struct Bvh::State {
   Program program;
   uint32_t program_stack = 0;
   bool program_alpha = false;
-  AlphaBits alpha;
   TypedBuffer<uint32_t> nodes, blocks;
   bool uploaded = false;                        // these hold what the hierarchy did after its last change
   size_t vertex_count = 0, triangle_count = 0;  // of the last build
@@ -198,7 +196,7 @@ void Bvh::State::upload() {
   statistics.ignored_triangles = hierarchy.ignored_count();
   statistics.nodes = hierarchy.node_count();
   statistics.leaf_blocks = hierarchy.block_count();
-  statistics.bytes = nodes.bytes() + blocks.bytes() + alpha.buffer().bytes();
+  statistics.bytes = nodes.bytes() + blocks.bytes();
   statistics.sah_cost = hierarchy.sah_cost();
   statistics.parts = static_cast<uint32_t>(hierarchy.parts().size());
   statistics.part_builds = hierarchy.builds();
@@ -239,9 +237,7 @@ void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name
       .arg("capacity", rays.capacity)
       .arg("bvh_nodes", nodes)
       .arg("bvh_blocks", blocks);
-  if (!program_alpha) return;
-  scene->bind(pass);
-  pass.arg("bvh_alpha", alpha.buffer());
+  if (program_alpha) scene->bind(pass);
 }
 
 Bvh::Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers, BvhTraversal traversal)
@@ -261,17 +257,17 @@ Bvh::~Bvh() = default;
 void Bvh::update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change) {
   State& s = *state_;
   s.scene = &buffers;
-  const bool anew = change.topology || !s.same_counts(buffers.scene_vertices.count(), buffers.info().triangle_count);
-  const bool moved = anew || change.geometry();
-  if (anew) {
+  if (change.topology || !s.same_counts(buffers.scene_vertices.count(), buffers.info().triangle_count)) {
     s.parts = MovingParts(scene);
     s.build_scene(buffers);
-  } else if (moved) {
+  } else if (change.geometry()) {
     s.follow(buffers, change);
+  } else {
+    s.compile();
+    return;
   }
-  if ((anew || !moved || !change.materials.empty()) && s.alpha.update(*s.device, scene, buffers)) ++s.generation;
   s.compile();
-  if (moved) s.upload();
+  s.upload();
 }
 
 void Bvh::update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology) {

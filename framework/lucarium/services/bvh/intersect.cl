@@ -18,10 +18,10 @@
 #endif
 
 #ifdef BVH_ALPHA
-#define BVH_SCENE_PARAMETERS LUCARIUM_SCENE_PARAMETERS __global const uint *bvh_alpha,
+#define BVH_SCENE_PARAMETERS LUCARIUM_SCENE_PARAMETERS
 #define BVH_CONTEXT(name)     \
   LUCARIUM_SCENE_BIND(scene); \
-  const BvhContext name = {bvh_nodes, bvh_blocks, &scene, bvh_alpha}
+  const BvhContext name = {bvh_nodes, bvh_blocks, &scene}
 #else
 #define BVH_SCENE_PARAMETERS
 #define BVH_CONTEXT(name) const BvhContext name = {bvh_nodes, bvh_blocks}
