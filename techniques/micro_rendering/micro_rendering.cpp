@@ -62,9 +62,10 @@
 //
 // Not in the paper: the conservative cut (gather/micro_solid_angle.clh), splats tested at samples and hole filling
 // (gather/micro_splat.clh, gather/micro_gather.clh: is_hole()), discs bounded by their triangles' edges
-// (gather/micro_splat.clh: clip_disc()), hidden points (points/point_visibility.h), sheets (tree/tree_order.cpp:
-// find_sheet()), the error-driven cut (gather/micro_gather.clh: tolerate_error()), analytic GGX maps
-// (gather/micro_warp.clh: lanes_ggx_from_disk()) and rough transmission (pixels/add_indirect_light.cl:
+// (gather/micro_splat.clh: clip_disc()) and splats by the edges of their surface (tree/refit_nodes.cl: merge_lines()),
+// faces parted at edges (tree/tree_order.cpp: has_two_faces()), hidden points (points/point_visibility.h), sheets
+// (tree/tree_order.cpp: find_sheet()), the error-driven cut (gather/micro_gather.clh: tolerate_error()), analytic GGX
+// maps (gather/micro_warp.clh: lanes_ggx_from_disk()) and rough transmission (pixels/add_indirect_light.cl:
 // transmitted_light()).
 
 #include "lucarium/services/bvh/bvh.h"

@@ -11,8 +11,9 @@
 //   x   centre x (16 bits), centre y << 16
 //   y   centre z (16 bits), half the radius as a half << 16
 //   z   octahedral normal 2 x 10 bits, cone half angle << 20 (8 bits, of pi / 255), flags << 28
-//   w   << 24: of a leaf on a two-sided triangle its side of a sheet (MICRO_SIDE), else 0; of an inner node the area
-//       that it shows along its axis over that of its surface [255]
+//   w   a line where the surface ends, as the plane through it: octahedral normal 2 x 8 bits, 1 + distance from the
+//       centre << 16 (8 bits, of radius / 254), 0 none; << 24: of a leaf on a two-sided triangle its side of a sheet
+//       (MICRO_SIDE), else 0; of an inner node the area that it shows along its axis over that of its surface [255]
 // Radius and cone angle are rounded up by what centre and normal lost.
 //
 // radiance (half4, 8 B):

@@ -39,8 +39,36 @@ void merge_cones(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
   sum->cone = half_angle + (angle > 1e-5f ? 0.0f : angle);
 }
 
-// leaves: both are leaves.
-uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
+// ---- lines
+
+#define MICRO_LINE_CONE 0.5f   // half angle of normals [rad]; a line bounds the disc of a node that is flat
+#define MICRO_LINE_REACH 0.8f  // how far a node's surface reaches at least, in radii of a disc of the area it shows
+
+// The plane at which the surface of both ends, by the line of `a`: xyz normal, w its distance from the origin.
+// INFINITY: there is none, or the surface of b, of that area and no such line, goes on beyond it.
+float4 shared_line(const MicroNode* a, const MicroNode* b, float area_b) {
+  const float3 m = a->line.xyz;
+  const float end = dot(m, a->center) + a->line.w, size = sqrt(area_b * M_1_PI_F);
+  if (dot(m, m) == 0.0f) return (float4)(0.0f, 0.0f, 0.0f, INFINITY);
+  // Of lines that hardly differ the outer one bounds both.
+  if (dot(m, b->line.xyz) > 0.98f) return (float4)(m, fmax(end, dot(m, b->center + b->line.w * b->line.xyz)));
+  const float tilt = fmin(acos(clamp(fabs(dot(m, b->normal)), 0.0f, 1.0f)) + b->cone, 0.5f * M_PI_F);
+  const float end_b = dot(m, b->center) + MICRO_LINE_REACH * size * sin(tilt);
+  return (float4)(m, end_b > end + 0.1f * size ? INFINITY : fmax(end, end_b));
+}
+
+// Areas are those that the children show.
+void merge_lines(const MicroNode* a, const MicroNode* b, float area_a, float area_b, MicroNode* sum) {
+  const float4 line_a = shared_line(a, b, area_b), line_b = shared_line(b, a, area_a);
+  const float reach_a = line_a.w - dot(line_a.xyz, sum->center), reach_b = line_b.w - dot(line_b.xyz, sum->center);
+  sum->line = (float4)(0.0f);
+  if (sum->cone > MICRO_LINE_CONE) return;
+  if (reach_a < sum->radius) sum->line = (float4)(line_a.xyz, reach_a);
+  if (reach_b < sum->radius && reach_b < reach_a) sum->line = (float4)(line_b.xyz, reach_b);
+}
+
+// leaves: both are leaves; area: of the surface of each.
+uint4 merge_nodes(uint4 left, uint4 right, bool leaves, float area) {
   const MicroNode a = unpack_node(left), b = unpack_node(right);
   MicroNode sum;
   merge_spheres(&a, &b, &sum);
@@ -50,6 +78,7 @@ uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
   const float shown = 0.5f * dot(shown_a * a.normal + shown_b * b.normal, sum.normal);
   sum.side = (uint)clamp(ceil(shown * 255.0f), MICRO_MIN_SHOWN, 255.0f);
   sum.flags = (a.flags & b.flags & MICRO_NODE_CULLABLE) | ((a.flags | b.flags) & MICRO_NODE_TWIN);
+  merge_lines(&a, &b, area * shown_a, area * shown_b, &sum);
   return pack_node(sum);
 }
 
@@ -62,7 +91,8 @@ __kernel void refit_nodes(__global const MicroTree* restrict trees, uint tree, u
   __global uint4* heap = nodes + trees[tree].first_node;
   for (uint level = bottom; level-- > top;) {
     const uint first = ((1u << top) + w) << (level - top), end = first + (1u << (level - top));
-    for (uint i = first; i < end; ++i)
-      heap[i] = merge_nodes(heap[2u * i], heap[2u * i + 1u], level + 1u == trees[tree].depth);
+    const uint above = trees[tree].depth - level - 1u;
+    const float area = trees[tree].leaf_area * (float)(1u << above);
+    for (uint i = first; i < end; ++i) heap[i] = merge_nodes(heap[2u * i], heap[2u * i + 1u], above == 0u, area);
   }
 }

@@ -16,19 +16,25 @@ struct Item {
   uint32_t index;
 };
 
-constexpr float kThin = 0.5f;     // thickness of a sheet over its longest extent
-constexpr float kOpposed = 0.5f;  // cosine beyond which normals belong to one of its sides
-constexpr int kHeights = 32;      // steps in which gaps between layers are looked for
-constexpr int kGap = 6;           // fewest empty ones between two layers
-constexpr float kLean = 1e-3f;    // of planes that part points against the axis
-constexpr float kFlat = 1e-3f;    // thickness over longest extent below which a sheet has one layer
+constexpr float kThin = 0.5f;       // thickness of a sheet over its longest extent
+constexpr float kOpposed = 0.5f;    // cosine beyond which normals belong to one of its sides
+constexpr int kHeights = 32;        // steps in which gaps between layers are looked for
+constexpr int kGap = 6;             // fewest empty ones between two layers
+constexpr float kLean = 1e-3f;      // of planes that part points against the axis
+constexpr float kOtherFace = 0.7f;  // cosine below which normals belong to another face
+constexpr float kOneFace = 0.94f;   // cosine to one normal of a face, of all of them
+constexpr float kCommon = 0.1f;     // share of their extent that two faces at an edge may have in common
+constexpr size_t kFewest = 16;      // points of which faces are parted; pairs show how fine details are
+constexpr float kFlat = 1e-3f;      // thickness over longest extent below which a sheet has one layer
 
-/// What a thin sheet is parted by: points below `height` along `normal`, or those that face against it.
+/// What a thin sheet is parted by: points below `height` along `normal`, or those that face against it. What two faces
+/// are parted by: points of the other one.
 struct Sheet {
   glm::vec3 normal{0};
-  bool two_sided = false, layered = false;
+  bool two_sided = false, layered = false, bent = false;
   float height = 0;
   bool first(const Item& item) const {
+    if (bent) return glm::dot(item.normal, normal) < kOtherFace;
     return two_sided ? glm::dot(item.normal, normal) < 0 : glm::dot(item.position, normal) < height;
   }
 };
@@ -74,6 +80,28 @@ Sheet find_sheet(std::span<const Item> items, int axis, float longest) {
   return sheet;
 }
 
+/// Whether the points lie on two faces that meet at one edge, the sheet's and that of the least other point: all
+/// normals are theirs, and a plane through the edge parts them. A node that holds both shows the mean of their light to
+/// all sides, and stands out at outlines.
+bool has_two_faces(std::span<const Item> items, const Sheet& sheet) {
+  if (items.size() < kFewest) return false;
+  const Item* other = nullptr;
+  for (const Item& item : items)
+    if (glm::dot(item.normal, sheet.normal) < kOtherFace && (!other || item.index < other->index)) other = &item;
+  if (!other) return false;
+  const glm::vec3 across = sheet.normal - other->normal;
+  float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (const Item& item : items) {
+    const float own = glm::dot(item.normal, sheet.normal), others = glm::dot(item.normal, other->normal);
+    if (std::max(own, others) < kOneFace) return false;
+    const int part = own < kOtherFace;
+    const float place = glm::dot(item.position, across);
+    low[part] = std::min(low[part], place), high[part] = std::max(high[part], place);
+  }
+  const float common = std::min(high[0], high[1]) - std::max(low[0], low[1]);
+  return common <= kCommon * (std::max(high[0], high[1]) - std::min(low[0], low[1]));
+}
+
 /// Equal keys are ordered by index, so that the result does not depend on the library's algorithm.
 template <class Key>
 void partition_at_median(std::span<Item> items, Key key) {
@@ -83,8 +111,8 @@ void partition_at_median(std::span<Item> items, Key key) {
   });
 }
 
-/// Halves the list at the median of its longest axis, and both halves in the same manner, except for thin sheets
-/// (Ritschel et al. 2009, section 2.1).
+/// Halves the list at the median of its longest axis, and both halves in the same manner, except for thin sheets and
+/// for edges between two faces (Ritschel et al. 2009, section 2.1).
 void split(std::span<Item> items, ForkJoin& fork_join) {
   if (items.size() < 2 || interrupt_requested()) return;
   glm::vec3 low = items[0].position, high = low;
@@ -92,8 +120,9 @@ void split(std::span<Item> items, ForkJoin& fork_join) {
   const glm::vec3 extent = high - low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   const int u = (axis + 1) % 3, v = (axis + 2) % 3, second = extent[u] >= extent[v] ? u : v;
-  const Sheet sheet = find_sheet(items, axis, extent[axis]);
-  if (sheet.two_sided || sheet.layered) {
+  Sheet sheet = find_sheet(items, axis, extent[axis]);
+  sheet.bent = !sheet.two_sided && !sheet.layered && has_two_faces(items, sheet);
+  if (sheet.two_sided || sheet.layered || sheet.bent) {
     // Along the one part and back along the other: where they hold different numbers of points, what is mixed lies
     // together at the end, and the rest is as compact as without parting.
     partition_at_median(items, [&](const Item& item) {

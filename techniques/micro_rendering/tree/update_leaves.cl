@@ -90,6 +90,19 @@ uint4 bound_disc(__global const Vertex* scene_vertices, __global const Vertex* m
   return lines.count > 0u ? pack_lines(&lines, node.radius, rules.min_area) : (uint4)(0u);
 }
 
+// The nearest of the lines that bound a leaf's disc, as nodes have it.
+float4 nearest_line(uint4 clips, const MicroNode* node) {
+  const uint words[MICRO_CLIPS] = {clips.x, clips.y, clips.z, clips.w};
+  uint nearest = 0u;
+  for (uint k = 0; k < MICRO_CLIPS; ++k)
+    if (words[k] != 0u && (nearest == 0u || words[k] >> 16 < nearest >> 16)) nearest = words[k];
+  if (nearest == 0u) return (float4)(0.0f);
+  const Basis basis = make_basis(node->normal);
+  const float angle = (float)(nearest & 0xffffu) * (2.0f * M_PI_F / 65536.0f);
+  return (float4)(cos(angle) * basis.t + sin(angle) * basis.b,
+                  node->radius * (float)((nearest >> 16) - 1u) * (1.0f / 65534.0f));
+}
+
 // Leaf nodes of one tree, from barycentric weights (Ritschel et al. 2009, section 2.1), and the lines that bound their
 // discs.
 __kernel void update_leaves(__global const Vertex* restrict scene_vertices,
@@ -135,9 +148,13 @@ __kernel void update_leaves(__global const Vertex* restrict scene_vertices,
   node.cone = 0.0f;
   node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (cullable ? MICRO_NODE_CULLABLE : 0u);
   node.side = MICRO_SIDE(triangle_edges[leaf_triangle(leaf)].sheet, back);
-  const uint4 packed = pack_node(node);
-  nodes[tree->first_node + (1u << tree->depth) + i] = packed;
+  node.line = (float4)(0.0f);
 
-  clips[index] = bound_disc(scene_vertices, mesh_vertices, instance, tree, unpack_node(packed), back,
-                            triangle_edges[leaf_triangle(leaf)], rules);
+  // Bound the disc that is drawn, which is the packed one.
+  node = unpack_node(pack_node(node));
+  const uint4 lines =
+      bound_disc(scene_vertices, mesh_vertices, instance, tree, node, back, triangle_edges[leaf_triangle(leaf)], rules);
+  node.line = nearest_line(lines, &node);
+  clips[index] = lines;
+  nodes[tree->first_node + (1u << tree->depth) + i] = pack_node(node);
 }

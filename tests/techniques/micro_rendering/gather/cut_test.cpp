@@ -35,9 +35,11 @@ const std::vector<float>& expected_light() {
 
 TEST_CASE("an error-driven cut refines where radiance varies: nearly the error of a fine cut, far fewer nodes") {
   const std::vector<float>& expected = expected_light();
-  const Outcome fine = render({{"points_log2", "15"}}, 8),
-                coarse = render({{"points_log2", "15"}, {"cut_kappa", "4"}}, 8),
-                driven = render({{"points_log2", "15"}, {"cut_kappa", "4"}, {"cut_error", "0.002"}}, 8);
+  // Micro-buffers so small, and frames so many, that coarse nodes show.
+  const auto with_cut = [](const char* kappa, const char* error) {
+    return render({{"points_log2", "15"}, {"micro_size", "12"}, {"cut_kappa", kappa}, {"cut_error", error}}, 32);
+  };
+  const Outcome fine = with_cut("1", "0"), coarse = with_cut("4", "0"), driven = with_cut("4", "0.005");
   const double fine_error = relative_rmse(fine.indirect, expected),
                coarse_error = relative_rmse(coarse.indirect, expected),
                driven_error = relative_rmse(driven.indirect, expected);

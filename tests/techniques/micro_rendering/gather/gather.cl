@@ -14,6 +14,7 @@ __kernel void pack_forest(__global const float4* restrict in, uint count, __glob
   node.cone = in[3 * i + 1].w;
   node.flags = (uint)in[3 * i + 2].w;
   node.side = 255u;
+  node.line = (float4)(0.0f);
   nodes[i] = pack_node(node);
   vstore_half4((float4)(in[3 * i + 2].xyz, 0.0f), i, radiance);
 }

@@ -139,6 +139,27 @@ TEST_CASE("a strip hardly wider than its discs gives the light of its form facto
   CHECK(light == test::relative(expected, 0.05));
 }
 
+TEST_CASE("an outline is no wider in coarse micro-buffers: a square gives the light of its form factor") {
+  // As the strip above, of many discs.
+  constexpr float half = 0.4f, height = 0.5f;
+  Scene scene;
+  scene.source = "test:square";
+  const int grey = add_lambert(scene, "grey", glm::vec3(0.5f));
+  MeshBuilder builder("square");
+  builder.quad({-half, height, -half}, {half, height, -half}, {half, height, half}, {-half, height, half});
+  builder.quad({-0.02f, 0, 0.02f}, {0.02f, 0, 0.02f}, {0.02f, 0, -0.02f}, {-0.02f, 0, -0.02f});
+  add_instance(scene, add_mesh(scene, builder.take()), grey);
+  scene.environment = Environment{};
+  look(scene, {0.3f, 0.1f, 0}, {0, 0, 0}, 0.01f);
+  for (const char* size : {"8", "16"}) {
+    const Parameters parameters = {{"points_log2", "12"}, {"light_samples", "16"}, {"micro_size", size}};
+    const double light = mean(indirect_light(scene, "micro_rendering", 8, 1, 16, parameters));
+    const double expected = 0.25 * below_rectangle(half, half, height);
+    MESSAGE("light ", light, ", expected ", expected, ": ", 100 * (light / expected - 1), " %");
+    CHECK(light == test::relative(expected, 0.015));
+  }
+}
+
 TEST_CASE("from outside a two-sided ball nothing of its lit inside is seen") {
   Scene scene;
   scene.source = "test:ball";

@@ -13,6 +13,7 @@ __kernel void round_trip_nodes(__global const float4* restrict in, uint count, _
   node.cone = in[3 * i + 1].w;
   node.flags = (uint)in[3 * i + 2].x;
   node.side = i % 256u;
+  node.line = (float4)(0.0f);
   const MicroNode back = unpack_node(pack_node(node));
   out[3 * i] = (float4)(back.center, back.radius);
   out[3 * i + 1] = (float4)(back.normal, back.cone);

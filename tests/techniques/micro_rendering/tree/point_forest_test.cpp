@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "device_fixture.h"
 #include "lucarium/scene/builtin/builder.h"
@@ -161,5 +162,56 @@ TEST_CASE("the work of a refit is in proportion to the points") {
     CHECK(launches("update leaves") - leaves_before == updates);
     CHECK(launches("refit") - refits_before == updates * ranges);
     MESSAGE((1 << points_log2), " points: ", 1e3 * best, " ms, ", 1e9 * best / (1 << points_log2), " ns per point");
+  }
+}
+
+TEST_CASE(
+    "nodes know the border of their surface: lines lie on it, and nodes in its middle or in hollow edges have none") {
+  // A rectangle of two triangles, turned; and a room from inside, whose edges are hollow.
+  const glm::mat3 turn(glm::rotate(glm::mat4(1), 0.5f, glm::normalize(glm::vec3(1, 2, 3))));
+  for (const bool room : {false, true}) {
+    Scene scene;
+    scene.source = "test:border";
+    MeshBuilder builder("surface");
+    if (room)
+      for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) builder.box_face({0, 0, 0}, {1, 2, 3}, axis, side, true);
+    else
+      builder.quad(turn * glm::vec3(-1, -2, 0), turn * glm::vec3(1, -2, 0), turn * glm::vec3(1, 2, 0),
+                   turn * glm::vec3(-1, 2, 0));
+    add_instance(scene, add_mesh(scene, builder.take()), add_lambert(scene, "grey", glm::vec3(0.5f)));
+    KernelScheduler scheduler(test::test_device());
+    const SceneBuffers buffers(*test::test_device(), scene);
+    const PointForest forest(*test::test_device(), scheduler, scene, buffers, {.points_log2 = 12}, "test");
+    const std::vector<uint4> nodes = forest.nodes.download();
+    const MicroTree& tree = forest.trees().front().record;
+    size_t lines = 0, beside = 0, at_border = 0, missed = 0;
+    for (uint32_t i = 1u << 8; i < 2u << 8; ++i) {  // of 16 leaves
+      const PackedNode node = unpack(nodes[tree.first_node + i]);
+      lines += node.line != glm::vec3(0);
+      if (room) continue;
+      // How far the four sides of the rectangle are from the node, and its line from the next of them [m].
+      const float step = tree.origin_step.w;
+      const glm::vec3 center =
+          glm::transpose(turn) *
+          (glm::vec3(tree.origin_step.x, tree.origin_step.y, tree.origin_step.z) + step * node.center);
+      const glm::vec3 m = glm::transpose(turn) * node.line;
+      const glm::vec2 to_sides(1 - std::abs(center.x), 2 - std::abs(center.y));
+      const float size = std::sqrt(8.f / 256), nearest = std::min(to_sides.x, to_sides.y);
+      at_border += nearest < 0.5f * size;
+      missed += nearest < 0.5f * size && node.line == glm::vec3(0);
+      if (node.line == glm::vec3(0)) continue;
+      const bool along_x = std::abs(m.x) > std::abs(m.y);
+      const float side = along_x ? to_sides.x : to_sides.y;
+      beside += std::abs(step * node.reach - side) > 0.05f * size || m[along_x ? 0 : 1] * center[along_x ? 0 : 1] < 0;
+    }
+    MESSAGE(lines, " lines, ", at_border, " at the border, ", missed, " without, ", beside, " beside it");
+    CHECK(beside == 0);
+    if (room) {
+      CHECK(lines == 0);
+    } else {
+      CHECK(at_border > 30);
+      CHECK(missed * 10 < at_border);
+    }
   }
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
 using namespace lucarium::micro;
@@ -68,6 +69,29 @@ TEST_CASE("nodes do not mix parallel layers nor the sides of a sheet, however ma
       const double density = static_cast<double>(std::min(front, 4096 - front));
       CHECK(widest(order, 64, points) < 3 * std::sqrt(64 / density));
     }
+  }
+}
+
+TEST_CASE("nodes do not mix two faces along the edge where they meet, however many points each has") {
+  for (const size_t top : {2048u, 1024u, 3700u}) {
+    CAPTURE(top);
+    const glm::mat3 turn(glm::rotate(glm::mat4(1), 0.5f, glm::normalize(glm::vec3(1, 2, 3))));
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> u(0, 1);
+    std::vector<SampledPoint> points;
+    std::vector<int> kind;
+    for (size_t i = 0; i < 4096; ++i) {
+      kind.push_back(i < top);
+      SampledPoint p = i < top ? point(u(random), u(random), 0, 1) : point(1, u(random), -u(random), 0);
+      if (i >= top) p.normal = {1, 0, 0};
+      p.position = turn * p.position;
+      p.normal = turn * p.normal;
+      points.push_back(p);
+    }
+    const std::vector<uint32_t> order = tree_order(points, 1);
+    // A few mixed nodes per size; halved by place alone all those along the edge are.
+    CHECK(mixed(order, 64, kind) <= 1. / 64);
+    CHECK(mixed(order, 16, kind) <= 3. / 256);
   }
 }
 
