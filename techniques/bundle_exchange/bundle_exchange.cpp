@@ -58,7 +58,8 @@
 //   section 6.5, separate direct light       texel_sides/sample_side_light.cl: light_point() (nee)
 //
 // Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/balance_power.cl),
-// accessibility (texel_sides/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains (specular/),
+// accessibility (texel_sides/side_accessibility.h), light kept apart of parts of texels close under glass
+// (SideAccessibility::halves()), hidden surfaces (interior_surfaces/), specular chains (specular/),
 // the preview (senders/smooth_preview.cl) and the start from what is known (senders/side_means.cpp: start_from()).
 
 #include <algorithm>

@@ -28,15 +28,15 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       interior(kept.interior ? std::move(kept.interior)
                              : std::make_unique<TexelInterior>(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas,
                                                                technique_name, remedies::lower_texels)),
-      accessibility(kept.accessibility ? std::move(kept.accessibility)
-                                       : std::make_unique<SideAccessibility>(
-                                             *c.device, c.scene_buffers, *atlas,
-                                             SideAccessibility::Options{p.pixel_size, p.access_gap, p.access_rays},
-                                             technique_name, remedies::lower_texels)),
+      accessibility(kept.accessibility
+                        ? std::move(kept.accessibility)
+                        : std::make_unique<SideAccessibility>(
+                              *c.device, c.scene_buffers, *atlas,
+                              SideAccessibility::Options{p.pixel_size, p.access_gap, p.access_rays, plan.halves},
+                              technique_name, remedies::lower_texels)),
       side_light(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas, *accessibility, plan.light_kinds,
-                 technique_name, remedies::lower_texels),
-      means(*c.device, c.scheduler, program, *atlas, accessibility->shares(), side_light.light_samples(), plan.channels,
-            p),
+                 technique_name, remedies::lower_texels, true),
+      means(*c.device, c.scheduler, program, *atlas, *accessibility, side_light.light_samples(), plan.channels, p),
       preview(plan.preview ? std::make_unique<SidePreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
       plan_(plan) {
   make_camera(c);

@@ -57,6 +57,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   // Direct light needs no lobes of texel sides: they begin behind the first scattering.
   plan.reflects = specular && settings.max_bounces != 0 && parameters.glossy_bounces == GlossyBounces::multiple;
   plan.exchanges = exchanges(parameters, settings);
+  plan.halves = SideHalves::per_side(scene, parameters.access_gap);
   plan.preview = parameters.preview && forgets(parameters);
   plan.channels = make_channels(parameters, scene, settings, plan.reflects);
   const bool idle = parameters.final_gather == FinalGather::glossy && !specular;
@@ -86,16 +87,17 @@ size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, cons
                       const RenderSettings& settings) {
   const size_t sides = SurfaceAtlas::estimate_sides(scene, plan.atlas);
   return SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) +
-         SideMeans::estimate_bytes(sides, plan.channels, parameters) + SideLight::estimate_bytes(sides) +
-         TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides) +
-         (plan.reflects ? SideSpecular::estimate_bytes(sides, plan.channels, parameters) : 0) +
+         SideMeans::estimate_bytes(plan.halves * sides, plan.channels, parameters) +
+         SideLight::estimate_bytes(sides, plan.halves) + TexelInterior::estimate_bytes(sides, SIDE_POINTS) +
+         SideAccessibility::estimate_bytes(sides, plan.halves) +
+         (plan.reflects ? SideSpecular::estimate_bytes(sides, plan.halves, plan.channels, parameters) : 0) +
          CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles,
                                      plan.preview) +
          BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters,
                                         plan.camera.by_bundles) +
-         (plan.preview ? SidePreview::estimate_bytes(sides, plan.channels) : 0) +
+         (plan.preview ? SidePreview::estimate_bytes(plan.halves * sides, plan.channels) : 0) +
          (plan.camera.debug ? DebugLayers::estimate_bytes(size_t{settings.width} * settings.height, plan.preview) +
-                                  SideState::estimate_bytes(sides)
+                                  SideState::estimate_bytes(plan.halves * sides)
                             : 0);
 }
 

@@ -14,6 +14,7 @@ struct BundlePlan {
   bool exchanges = false;    ///< bundles carry anything
   bool preview = false;      ///< images that have not converged show what SidePreview smooths
   bool reflects = false;     ///< specular lobes of texel sides take part in the exchange
+  uint32_t halves = 1;       ///< SideAccessibility::Options::halves
   uint32_t light_kinds = 0;  ///< of lights that texel sides get light samples of (LUCARIUM_LIGHT_* bits)
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);

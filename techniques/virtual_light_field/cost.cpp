@@ -125,9 +125,8 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
       FieldView::estimate_bytes(settings.width, settings.height, FieldView::make_options(plan, parameters));
   if (!plan.field) return view;
   const size_t sides = SurfaceAtlas::expected_sides(scene, plan.atlas);
-  const uint32_t halves = plan.glass ? 2 : 1;
   const size_t always =
-      SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + SideLight::estimate_bytes(sides, halves);
+      SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + SideLight::estimate_bytes(sides, plan.halves);
   const SubfieldPlan subfield = expected_subfield(plan, parameters, scene);
   const auto raster = [&](size_t schedules) {
     LayeredRasterOptions options;
@@ -135,12 +134,12 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
     return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), options, std::nullopt, schedules);
   };
   const size_t measuring =
-      TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides, halves);
+      TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides, plan.halves);
   const std::vector<uint8_t> tiled = tiled_instances(parameters, scene);
   const bool has_cells = std::find(tiled.begin(), tiled.end(), 1) != tiled.end(),
              keeps = keeps_any(plan, scene) && parameters.cache_visibility > 0;
-  size_t field = view + TexelInterior::held_bytes(sides) + SideAccessibility::held_bytes(sides, halves) +
-                 LightField::estimate_bytes(sides, halves) + raster(1 + (has_cells ? 1 : 0) + (keeps ? 1 : 0));
+  size_t field = view + TexelInterior::held_bytes(sides) + SideAccessibility::held_bytes(sides, plan.halves) +
+                 LightField::estimate_bytes(sides, plan.halves) + raster(1 + (has_cells ? 1 : 0) + (keeps ? 1 : 0));
   if (keeps)
     field += std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
                       fragment_bytes(parameters, subfield, SurfaceAtlas::surface_area(scene)));

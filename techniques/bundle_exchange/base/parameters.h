@@ -75,9 +75,10 @@ struct Parameters {
     v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge length of a pixel of the bundle image");
-    v.number("access_gap", access_gap, 0.f, 16.f, "texel edges",
-             "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility; 0: "
-             "no weighting");
+    v.number(
+        "access_gap", access_gap, 0.f, 16.f, "texel edges",
+        "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility, and "
+        "within which parts under glass keep their light apart; 0: neither");
     v.number("access_rays", access_rays, 128, 4096, "rays",
              "rays per texel that measure its accessibility, from at least 32 bundles");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},

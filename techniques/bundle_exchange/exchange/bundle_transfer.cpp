@@ -74,10 +74,14 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
     options_.gather->record(recorder, raster_.record_stored(recorder, "fragments", view), views_, ends_, result.first,
                             result.weight);
   } else {
+    const SideHalves halves = accessibility.side_halves();
     std::map<std::string, std::string> defines = channels_.defines();
     if (what == What::emission) defines["BUNDLE_ACTIVE"] = "1u";
     const char* const kernel = by_texels ? "exchange_texels" : "exchange_pairs";
-    if (!by_texels) defines.merge(raster_.defines());
+    if (!by_texels) {
+      defines.merge(raster_.defines());
+      defines.merge(halves.defines());
+    }
     const Program program = make_bundle_program(device, std::string("exchange/") + kernel, defines);
     const auto bind = [&](PassBuilder& pass) {
       atlas.bind(pass);
@@ -92,13 +96,17 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
       PassBuilder pass = recorder.pass("exchange", program, kernel);
       buffers.bind(pass);
       bind(pass);
+      halves.bind(pass);
       pass.global(atlas.info().texel_count)
           .arg("sides", atlas.info().texel_count)
           .arg("views", views_)
           .arg("pixel_start", stored.pixel_start)
           .arg("fragments", stored.fragments);
     } else {
-      raster_.record_tiles(recorder, "exchange", view, program, kernel, bind);
+      raster_.record_tiles(recorder, "exchange", view, program, kernel, [&](PassBuilder& pass) {
+        bind(pass);
+        if (halves.two()) pass.arg("covered", halves.covered);
+      });
     }
   }
   result.schedule = recorder.compile();

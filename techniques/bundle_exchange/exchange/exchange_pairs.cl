@@ -16,6 +16,10 @@ typedef struct Exchange {
   float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
   float weight;                // w of exchange_layout.clh
   uint double_sided;           // texels that have a back
+#ifdef SIDE_HALVES
+  const __global uint* covered;  // which parts belong to the covered half of their side
+  uint sides;                    // records of covered halves begin behind those of so many open ones
+#endif
 } Exchange;
 
 #define BUNDLE_PAIRS Exchange
@@ -26,17 +30,25 @@ void bundle_expect(Exchange* exchange, uint texel) {
   LUCARIUM_PREFETCH(exchange->accessibility + (size_t)texel * SIDE_PART_WORDS);
 }
 
+// The record of a side, or of that half of it that the part belongs to.
+__global float4* record_of(const Exchange* exchange, FragmentSide end) {
+#ifdef SIDE_HALVES
+  const uint record = half_of_part(exchange->covered, exchange->sides, end.side, end.part);
+#else
+  const uint record = end.side;
+#endif
+  return exchange->records + (size_t)record * BUNDLE_RECORD;
+}
+
 // Weight of a ray at one of its ends.
 float end_weight(const Exchange* exchange, FragmentSide end) {
   return exchange->weight * part_accessibility(exchange->accessibility, end.side, end.part);
 }
 
-// A texel side sees another, which counts the ray by `sender_weight`: equation 3 (Hermes et al. 2010) from sender x to
-// receiver y. The cosine is implicit, since a texel side is met by as many rays as it shows area to omega; f_r follows
-// when y sends (make_senders()), 2π = 1/p is in the weight, and 1/N in side_mean().
-void receive(Exchange* exchange, uint receiver, float weight, uint sender, float sender_weight) {
-  __global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
-  const __global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
+// A texel side sees another, by their records, which counts the ray by `sender_weight`: equation 3 (Hermes et al. 2010)
+// from sender x to receiver y. The cosine is implicit, since a texel side is met by as many rays as it shows area to
+// omega; f_r follows when y sends (make_senders()), 2π = 1/p is in the weight, and 1/N in side_mean().
+void receive(__global float4* to, float weight, const __global float4* from, float sender_weight) {
   to[0].w += sender_weight;
   to[1] += weight * (float4)(from[0].xyz, 1.0f);
   for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel)
@@ -47,15 +59,14 @@ void receive(Exchange* exchange, uint receiver, float weight, uint sender, float
 // there, in the channel of emission.
 void receive_end(Exchange* exchange, FragmentSide end, float3 radiance) {
   if (end.side == LUCARIUM_NONE) return;
-  exchange->records[(size_t)end.side * BUNDLE_RECORD + 1u] += end_weight(exchange, end) * (float4)(radiance, 1.0f);
+  record_of(exchange, end)[1] += end_weight(exchange, end) * (float4)(radiance, 1.0f);
 }
 
 // The ray of a texel side ends at the back of a single-sided surface: black, and counted unless it began in a hidden
 // place.
 void meet_back(Exchange* exchange, FragmentSide end) {
   if (end.side == LUCARIUM_NONE) return;
-  exchange->records[(size_t)end.side * BUNDLE_RECORD + 1u].w +=
-      end_weight(exchange, end) * exchange->interior[end.side].y;
+  record_of(exchange, end)[1].w += end_weight(exchange, end) * exchange->interior[end.side].y;
 }
 
 void layered_ray_begins(Exchange* exchange, uint2 pixel, uint payload, bool front) {
@@ -71,16 +82,23 @@ void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
     return;
   }
   const float near_weight = end_weight(exchange, near), far_weight = end_weight(exchange, far);
-  receive(exchange, near.side, near_weight, far.side, far_weight);
-  receive(exchange, far.side, far_weight, near.side, near_weight);
+  __global float4 *near_record = record_of(exchange, near), *far_record = record_of(exchange, far);
+  receive(near_record, near_weight, far_record, far_weight);
+  receive(far_record, far_weight, near_record, near_weight);
 }
 
 void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front) {
   receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_far);
 }
 
+#ifdef SIDE_HALVES
+#define EXCHANGE_HALVES_PARAMETER __global const uint *covered,
+#else
+#define EXCHANGE_HALVES_PARAMETER
+#endif
+
 // ends: radiance that enters along omega, and along -omega.
-__kernel void exchange_pairs(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info,
+__kernel void exchange_pairs(LAYERED_TILE_PARAMETERS EXCHANGE_HALVES_PARAMETER AtlasInfo atlas_info,
                              __global const AtlasTriangle* atlas_triangles, __global const uint* atlas_table,
                              __global const uint* accessibility, __global const float2* interior, float weight,
                              __global const float4* ends, __global float4* records) {
@@ -94,5 +112,9 @@ __kernel void exchange_pairs(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info,
   exchange.from_far = ends[1].xyz;
   exchange.weight = weight;
   exchange.double_sided = atlas_info.double_sided_count;
+#ifdef SIDE_HALVES
+  exchange.covered = covered;
+  exchange.sides = atlas_info.texel_count;
+#endif
   LAYERED_RUN_TILES(&exchange);
 }

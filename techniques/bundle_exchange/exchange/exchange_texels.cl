@@ -34,7 +34,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global const AtlasTriangle* restrict atlas_triangles,
                               __global const uint* restrict atlas_table,
                               __global const AtlasTexel* restrict atlas_texels,
-                              __global const SurfacePoint* restrict atlas_points, uint sides,
+                              __global const SurfacePoint* restrict atlas_points, SIDE_HALVES_PARAMETERS uint sides,
                               __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
                               __global const LayeredFragment* restrict fragments, float weight,
                               __global const uint* restrict accessibility, __global const float2* restrict interior,
@@ -56,13 +56,15 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   // Find the point in its bundle pixel, and what it sees along the bundle.
   const ListedPoint point = listed_point(&list, position, texel.triangle, normal, front);
   const SeenFragment seen = seen_fragment(&list, &point, true);
-  const uint sender = seen_side(&scene, atlas_info, atlas_triangles, atlas_table, &list, &point, seen);
+  const uint sender =
+      seen_half(&scene, atlas_info, atlas_triangles, atlas_table, half_count, covered, &list, &point, seen);
   // Weight the ray by the cosine and by how accessible this part of the texel is.
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
   const uint part = side_part(triangle, atlas_uv(triangle, texel.b1, texel.b2));
   const float cosine = dot(normal, views[0].row_w.xyz),
               w = weight * fabs(cosine) * part_accessibility(accessibility, side, part);
-  __global float4* to = records + (size_t)side * BUNDLE_RECORD;
+  const uint receiver = half_count > sides ? half_of_part(covered, sides, side, part) : side;
+  __global float4* to = records + (size_t)receiver * BUNDLE_RECORD;
   if (sender == LUCARIUM_NONE) {
     const float3 end = cosine > 0.0f ? ends[1].xyz : ends[0].xyz;
     // Backs are black. They count, except for rays that begin in hidden places (exchange_pairs.cl).

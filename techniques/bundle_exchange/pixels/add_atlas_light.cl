@@ -11,10 +11,11 @@
 // that bundles have carried.
 __kernel void add_atlas_light(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                               __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
-                              __global const GBufferPoint* restrict points, uint count, float atlas_weight, uint whole,
-                              __global const float4* restrict shown, __global const float4* restrict shown_direct,
-                              __global const float4* restrict bundled, __global const float4* restrict gathered,
-                              __global float4* restrict exchanged, __global float4* restrict indirect) {
+                              SIDE_HALVES_PARAMETERS __global const GBufferPoint* restrict points, uint count,
+                              float atlas_weight, uint whole, __global const float4* restrict shown,
+                              __global const float4* restrict shown_direct, __global const float4* restrict bundled,
+                              __global const float4* restrict gathered, __global float4* restrict exchanged,
+                              __global float4* restrict indirect) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const GBufferPoint point = points[i];
@@ -26,8 +27,8 @@ __kernel void add_atlas_light(AtlasInfo atlas_info, __global const AtlasTriangle
     reflected += bundled[2u * i + 1u].xyz / directions;
   }
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE)
-    add_looked_up(atlas_info, atlas_triangles, atlas_table, atlas_links, &point, shown, shown_direct, &once,
-                  &reflected);
+    add_looked_up(atlas_info, atlas_triangles, atlas_table, atlas_links, half_count, covered, &point, shown,
+                  shown_direct, &once, &reflected);
   exchanged[i] = mix_sample(exchanged[i], once, atlas_weight);
   indirect[i] = mix_sample(indirect[i], reflected, atlas_weight);
 }

@@ -35,7 +35,7 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
     chains.punctual = options.punctual;
     chains.what = "pixels";
     chains_ = std::make_unique<ChainTracer>(device, scheduler, program, scene, intersector, atlas,
-                                            means.diffuse_shown(), chains);
+                                            means.diffuse_shown(), means.halves(), chains);
     record_chains(program, scene);
   }
   record(program, atlas, means, preview);
@@ -53,16 +53,19 @@ void CameraLight::record(const Program& program, const SurfaceAtlas& atlas, cons
                          const SidePreview* preview) {
   ScheduleRecorder recorder = scheduler_->record("add light of the atlas", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
-  record_atlas_light(recorder, program, atlas, means.shown(), means.shown_direct(), atlas_light_);
-  if (preview) record_atlas_light(recorder, program, atlas, preview->shown(), preview->shown_direct(), smooth_light_);
+  record_atlas_light(recorder, program, atlas, means.halves(), means.shown(), means.shown_direct(), atlas_light_);
+  if (preview)
+    record_atlas_light(recorder, program, atlas, means.halves(), preview->shown(), preview->shown_direct(),
+                       smooth_light_);
   add_ = recorder.compile();
 }
 
 void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
-                                     const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
-                                     const LayerSums& image) {
+                                     const SideHalves& halves, const TypedBuffer<float4>& shown,
+                                     const TypedBuffer<float4>& shown_direct, const LayerSums& image) {
   PassBuilder add = recorder.pass("add light of the atlas", program, "add_atlas_light");
   atlas.bind(add);
+  halves.bind(add);
   add.global(pixels_)
       .arg("points", eye_.points())
       .arg("count", pixels_)

@@ -60,8 +60,8 @@ class CameraLight {
   void record(const Program& program, const SurfaceAtlas& atlas, const SideMeans& means, const SidePreview* preview);
   /// What the atlas knows, mixed into an image.
   void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
-                          const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
-                          const LayerSums& image);
+                          const SideHalves& halves, const TypedBuffer<float4>& shown,
+                          const TypedBuffer<float4>& shown_direct, const LayerSums& image);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
   KernelScheduler* scheduler_;

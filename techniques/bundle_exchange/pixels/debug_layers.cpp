@@ -14,21 +14,22 @@ DebugLayers::DebugLayers(Device& device, KernelScheduler& scheduler, const Surfa
   const Program program = make_bundle_program(device, "pixels/add_light_parts", means.channels().defines());
   ScheduleRecorder recorder = scheduler.record("add debug layers", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
-  record_parts(recorder, program, atlas, means.shown(), means.shown_direct(), parts_);
+  record_parts(recorder, program, atlas, means.halves(), means.shown(), means.shown_direct(), parts_);
   if (preview) {
     smooth_parts_ = make_images(device, parts);
-    record_parts(recorder, program, atlas, preview->shown(), preview->shown_direct(), smooth_parts_);
+    record_parts(recorder, program, atlas, means.halves(), preview->shown(), preview->shown_direct(), smooth_parts_);
   }
-  if (sides) record_states(recorder, program, device, atlas, *sides);
+  if (sides) record_states(recorder, program, device, atlas, means.halves(), *sides);
   add_ = recorder.compile();
   clear();
 }
 
 void DebugLayers::record_states(ScheduleRecorder& recorder, const Program& program, Device& device,
-                                const SurfaceAtlas& atlas, const SideState& sides) {
+                                const SurfaceAtlas& atlas, const SideHalves& halves, const SideState& sides) {
   states_ = make_images(device, {"accessibility", "balance", "direction_history"});
   PassBuilder state = recorder.pass("add state of texel sides", program, "add_side_state");
   atlas.bind(state);
+  halves.bind(state);
   state.global(camera_->pixels())
       .arg("points", camera_->points())
       .arg("count", camera_->pixels())
@@ -48,10 +49,11 @@ DebugLayers::Images DebugLayers::make_images(Device& device, const std::vector<s
 }
 
 void DebugLayers::record_parts(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
-                               const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
-                               const Images& parts) const {
+                               const SideHalves& halves, const TypedBuffer<float4>& shown,
+                               const TypedBuffer<float4>& shown_direct, const Images& parts) const {
   PassBuilder add = recorder.pass("add parts of the light", program, "add_light_parts");
   atlas.bind(add);
+  halves.bind(add);
   add.global(camera_->pixels())
       .arg("points", camera_->points())
       .arg("count", camera_->pixels())

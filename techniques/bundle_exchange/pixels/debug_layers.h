@@ -30,10 +30,10 @@ class DebugLayers {
   };
   Images make_images(Device& device, const std::vector<std::string>& names) const;
   void record_parts(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
-                    const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
+                    const SideHalves& halves, const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
                     const Images& parts) const;
   void record_states(ScheduleRecorder& recorder, const Program& program, Device& device, const SurfaceAtlas& atlas,
-                     const SideState& sides);
+                     const SideHalves& halves, const SideState& sides);
   KernelScheduler* scheduler_;
   const CameraLight* camera_;
   Images parts_, smooth_parts_, states_;

@@ -14,9 +14,10 @@
 // eye.
 __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const AtlasTriangle* restrict atlas_triangles,
-                            __global const uint* restrict atlas_table, __global const GBufferPoint* restrict points,
-                            uint count, uint whole, float min_alpha, uint first, float weight,
-                            __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
+                            __global const uint* restrict atlas_table,
+                            SIDE_HALVES_PARAMETERS __global const GBufferPoint* restrict points, uint count, uint whole,
+                            float min_alpha, uint first, float weight, __global const LayeredView* restrict views,
+                            __global const uint* restrict pixel_start,
                             __global const LayeredFragment* restrict fragments, __global const float4* restrict ends,
                             __global const float4* restrict records, __global float4* restrict contribution,
                             __global Ray* restrict rays, __global float4* restrict shares) {
@@ -38,7 +39,8 @@ __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
       const ListedPoint place =
           listed_point(&list, surface.position, point.triangle, surface.n_g, surface.flags & LUCARIUM_SURFACE_FRONT);
       const SeenFragment seen = seen_fragment(&list, &place, false);
-      const uint side = seen_side(&scene, atlas_info, atlas_triangles, atlas_table, &list, &place, seen);
+      const uint side =
+          seen_half(&scene, atlas_info, atlas_triangles, atlas_table, half_count, covered, &list, &place, seen);
       const float3 end = dot(in, omega) > 0.0f ? ends[1].xyz : ends[0].xyz;
       if (seen.found)
         gather_light(contribution, i, share, records, side, seen.fragment == LUCARIUM_NONE ? end : (float3)(0.0f));

@@ -18,8 +18,8 @@ __kernel void mix_balance(uint sides, float weight, __global const float4* restr
 }
 
 // Entry i of the direction history: radiance that it reflects of earlier directions along this one. The record holds it
-// beside the diffuse light and, where `lit`, light samples (apply_contributions(), whose order of additions leaves 0
-// where nothing is reflected).
+// beside the diffuse light and light samples, of which there are `lit`, for halves of texel sides in turn
+// (apply_contributions(), whose order of additions leaves 0 where nothing is reflected).
 #ifdef BUNDLE_CHAINS
 __kernel void mix_history(uint count, float weight, __global const uint* restrict list,
                           __global const float4* restrict records, __global const float4* restrict diffuse, uint lit,
@@ -30,7 +30,7 @@ __kernel void mix_history(uint count, float weight, __global const uint* restric
   float3 reflected = (float3)(0.0f);
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
     float3 otherwise = diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz;
-    if (lit) otherwise += light[(size_t)i * BUNDLE_REFLECTED + k].xyz;
+    if (lit) otherwise += light[(size_t)(i % lit) * BUNDLE_REFLECTED + k].xyz;
     reflected += records[(size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k)].xyz - otherwise;
   }
   history[side] = mix_sample(history[side], reflected, weight);

@@ -16,6 +16,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Progr
       atlas_(&atlas),
       options_(options),
       points_(points),
+      halves_(means.halves()),
       records_(means.records()),
       contribution_(device, technique_name, "gathered in a batch", 2 * size_t{options.pixels}, remedies::lower_size),
       gathered_(device, technique_name, "gathered by bundles", 2 * size_t{options.pixels}, remedies::lower_size),
@@ -41,6 +42,7 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
                          const Variable<uint32_t>& first, const Variable<float>& weight) const {
   const BufferRef hits = recorder.transient<Hit>("hits of pixels", options_.pixels);
   PassBuilder gather = surface_pass(recorder, "gather at pixels", program_, "gather_pixels", *scene_, *atlas_);
+  halves_.bind(gather);
   gather.global(options_.pixels)
       .arg("points", points_)
       .arg("count", options_.pixels)
@@ -59,6 +61,7 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
   intersector_->record_closest(recorder, "rays of pixels not found", {rays_, count_, 0, options_.pixels}, hits);
   PassBuilder missed =
       surface_pass(recorder, "gather at pixels not found", program_, "gather_missed", *scene_, *atlas_);
+  halves_.bind(missed);
   missed.global(options_.pixels)
       .arg("count", options_.pixels)
       .arg("views", views)

@@ -42,6 +42,7 @@ class PixelGather {
   const SurfaceAtlas* atlas_;
   Options options_;
   TypedBuffer<GBufferPoint> points_;
+  SideHalves halves_;
   TypedBuffer<float4> records_, contribution_, gathered_, shares_;
   TypedBuffer<Ray> rays_;
   TypedBuffer<uint32_t> count_;

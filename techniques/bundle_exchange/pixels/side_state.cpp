@@ -37,7 +37,7 @@ SideState::SideState(Device& device, KernelScheduler& scheduler, const SideMeans
         .arg("list", specular->history_sides())
         .arg("records", means.records())
         .arg("diffuse", means.diffuse_sent())
-        .arg("lit", light ? 1u : 0u)
+        .arg("lit", light ? specular->lit_sides() : 0u)
         .arg("light", light ? *light : no_light_)
         .arg("history", history_);
     add_history_ = history.compile();

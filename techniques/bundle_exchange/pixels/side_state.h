@@ -23,7 +23,7 @@ class SideState {
   void reset();
   void warm_up();
 
-  // Per texel side:
+  // Per texel side, of its halves:
   const TypedBuffer<float>& accessibility() const { return *accessibility_; }  ///< its mean [1]
   /// xyz: mean over batches of the radiance that the balance adds, c (s - 1) e_S.
   const TypedBuffer<float4>& balance() const { return balance_; }

@@ -36,18 +36,19 @@ float3 reflection_albedo(const __global float* table, const Bsdf* bsdf) {
 // later ones. With f the specular lobe, ρ its albedo, L and w of the rays that came from those directions (their cosine
 // is implicit), and A the texel side's area times accessibility:
 //   by their share:  ρ Σ f w L / Σ f w        by themselves:  Σ f w L / (history_step.reflected A)
-// albedo: w is A. diffuse: what the texel side sends otherwise; not read where history_step.adds says that the record
-// holds it.
+// list: texel sides, or halves of them. albedo: w is A. diffuse: what the texel side sends otherwise; not read where
+// history_step.adds says that the record holds it.
 __kernel void send_history(__global const float* restrict scene_albedo_table,
                            __global const AtlasTexel* restrict atlas_texels,
                            __global const SurfacePoint* restrict atlas_points,
-                           __global const AtlasMaterial* restrict atlas_materials, uint count, HistoryStep history_step,
-                           float4 omega, __global const float4* restrict directions, __global const uint* restrict list,
-                           __global const float4* restrict history, __global const float4* restrict diffuse,
-                           __global const float4* restrict albedo, __global float4* restrict records) {
+                           __global const AtlasMaterial* restrict atlas_materials, AtlasInfo atlas_info, uint count,
+                           HistoryStep history_step, float4 omega, __global const float4* restrict directions,
+                           __global const uint* restrict list, __global const float4* restrict history,
+                           __global const float4* restrict diffuse, __global const float4* restrict albedo,
+                           __global float4* restrict records) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  const uint side = list[i];
+  const uint own = list[i], side = own % atlas_info.texel_count;
   const float3 n_g = atlas_points[side].normal.xyz;
   const float3 out = dot(n_g, omega.xyz) > 0.0f ? omega.xyz : -omega.xyz;
   const Bsdf bsdf = side_reflection(atlas_materials + side, n_g, out);
@@ -67,15 +68,15 @@ __kernel void send_history(__global const float* restrict scene_albedo_table,
   }
   // Normalize the sum: by the rays expected, or by the lobe's share of those that came, which varies less.
   const float measure =
-      (float)history_step.reflected * albedo[side].w / (history_step.by_area ? 1.0f : atlas_texels[side].area);
+      (float)history_step.reflected * albedo[own].w / (history_step.by_area ? 1.0f : atlas_texels[side].area);
   float3 scale = (float3)(measure > 0.0f ? 1.0f / measure : 0.0f);
   if (history_step.by_share) {
     const float3 albedo = bsdf.p_reflect > 0.0f ? reflection_albedo(scene_albedo_table, &bsdf) : (float3)(0.0f);
     scale = select((float3)(0.0f), albedo / share, share > 0.0f);
   }
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
-    __global float4* send = records + (size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
-    const float3 otherwise = history_step.adds ? (*send).xyz : diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz;
+    __global float4* send = records + (size_t)own * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
+    const float3 otherwise = history_step.adds ? (*send).xyz : diffuse[(size_t)own * BUNDLE_REFLECTED + k].xyz;
     (*send).xyz = otherwise + scale * light[k];
   }
 }

@@ -32,16 +32,17 @@ std::map<std::string, std::string> Channels::defines() const {
 }
 
 SideMeans::SideMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
-                     const TypedBuffer<float>& accessibility, const TypedBuffer<float4>& light_samples,
+                     const SideAccessibility& accessibility, const TypedBuffer<float4>& light_samples,
                      const Channels& channels, const Parameters& parameters)
     : scheduler_(&scheduler),
       primitives_(device),
       channels_(channels),
       parameters_(parameters),
-      sides_(atlas.info().texel_count),
+      halves_(accessibility.side_halves()),
+      sides_(halves_.count),
       chunks_((sides_ + BALANCE_CHUNK - 1) / BALANCE_CHUNK),
       light_samples_(light_samples),
-      accessibility_(accessibility),
+      accessibility_(accessibility.shares()),
       albedo_(device, technique_name, "albedo of texel sides", sides_, remedies::lower_texels),
       emission_(device, technique_name, "emission of texel sides", sides_, remedies::lower_texels),
       records_(device, technique_name, "exchange records", size_t{sides_} * 2 * channels.count, remedies::lower_texels),
@@ -64,7 +65,7 @@ SideMeans::SideMeans(Device& device, KernelScheduler& scheduler, const Program& 
       indirect_errors_(device, technique_name, "errors of texel sides' indirect light", sides_, remedies::lower_texels),
       values_(device, technique_name, "values of texel sides", sides_, remedies::lower_texels),
       sums_(device, technique_name, "sums of errors and values", 3) {
-  record_materials(program, atlas, accessibility);
+  record_materials(program, atlas);
   record_senders(program);
   record_accumulation(program);
   record_errors(program);
@@ -78,12 +79,11 @@ size_t SideMeans::estimate_bytes(size_t sides, const Channels& channels, const P
   return sides * (float4s * sizeof(float4) + sizeof(float2) + 3 * sizeof(float));
 }
 
-void SideMeans::record_materials(const Program& program, const SurfaceAtlas& atlas,
-                                 const TypedBuffer<float>& accessibility) {
+void SideMeans::record_materials(const Program& program, const SurfaceAtlas& atlas) {
   ScheduleRecorder recorder = scheduler_->record("texel side materials", technique_name);
   PassBuilder pass = recorder.pass("copy materials", program, "copy_materials");
   atlas.bind(pass);
-  pass.global(sides_).arg("sides", sides_).arg("accessibility", accessibility);
+  pass.global(sides_).arg("half_count", sides_).arg("accessibility", accessibility_);
   pass.arg("albedo", albedo_).arg("emission", emission_);
   materials_ = recorder.compile();
 }
@@ -308,7 +308,7 @@ SideMeans::Kept SideMeans::keep() const {
 }
 
 bool SideMeans::start_from(Kept kept) {
-  if (kept.sides != sides_ || !(kept.channels == channels_) || kept.weights.batches() == 0) return false;
+  if (kept.half_count != sides_ || !(kept.channels == channels_) || kept.weights.batches() == 0) return false;
   const float share = static_cast<float>(kept.weights.forget(kKeptBatches));
   for (float4& sums : kept.senders) sums = float4(sums.x * share, sums.y * share, sums.z * share, sums.w * share);
   senders_.upload(kept.senders);
@@ -321,6 +321,7 @@ void SideMeans::save(StateWriter& chunks) const {
   chunks.put("shown", shown_);
   chunks.put("shown_direct", shown_direct_);
   chunks.put("radiance", radiance_);
+  if (halves_.two()) chunks.put("covered", halves_.covered);
   chunks.put("progress", std::vector<uint64_t>{directions_, batches_, head_batches_, reflected_end_});
   chunks.put("errors", std::vector<double>{relative_error_, indirect_error_});
 }
@@ -329,6 +330,7 @@ void SideMeans::load(const StateReader& chunks) {
   chunks.get_finite_buffer("shown", shown_);
   chunks.get_finite_buffer("shown_direct", shown_direct_);
   chunks.get_finite_buffer("radiance", radiance_);
+  if (halves_.two()) chunks.get_buffer("covered", halves_.covered);
   const std::vector<uint64_t> progress = chunks.get<uint64_t>("progress", 4);
   directions_ = progress[0], batches_ = progress[1], head_batches_ = progress[2], reflected_end_ = progress[3];
   const std::vector<double> errors = chunks.get<double>("errors", 2);

@@ -6,6 +6,7 @@
 #include "bundle_exchange/senders/sender_weights.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
+#include "lucarium/services/texel_sides/side_accessibility.h"
 
 namespace lucarium {
 class StateReader;
@@ -33,7 +34,7 @@ struct Channels {
 class SideMeans {
  public:
   SideMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
-            const TypedBuffer<float>& accessibility, const TypedBuffer<float4>& light_samples, const Channels& channels,
+            const SideAccessibility& accessibility, const TypedBuffer<float4>& light_samples, const Channels& channels,
             const Parameters& parameters);
 
   /// Takes albedo, emission and area of texel sides from the atlas; before anything else, when accessibility is known.
@@ -60,7 +61,7 @@ class SideMeans {
   struct Kept {
     std::vector<float4> senders, specular;
     SenderWeights weights;
-    uint32_t sides = 0;
+    uint32_t half_count = 0;
     Channels channels;
   };
   Kept keep() const;
@@ -72,7 +73,8 @@ class SideMeans {
   void load(const StateReader& chunks);
   uint64_t directions() const { return directions_; }  ///< of all batches
 
-  // Per texel side:
+  // Per texel side, of its halves (SideAccessibility::halves()):
+  const SideHalves& halves() const { return halves_; }
   const TypedBuffer<float4>& records() const { return records_; }  ///< 2 · channels float4 (exchange_layout.clh)
   const TypedBuffer<float4>& albedo() const { return albedo_; }    ///< xyz diffuse albedo, w area times accessibility
   /// Irradiance / π of indirect light times accessibility, and that; the same of exchanged emitted light.
@@ -95,10 +97,11 @@ class SideMeans {
   bool reflected_light_done() const { return directions_ >= reflected_end_; }
   /// What the balance scales senders by, per colour.
   float4 balance() const { return scale_.download().front(); }
+  /// For so many halves of texel sides.
   static size_t estimate_bytes(size_t sides, const Channels& channels, const Parameters& parameters);
 
  private:
-  void record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float>& accessibility);
+  void record_materials(const Program& program, const SurfaceAtlas& atlas);
   void record_senders(const Program& program);
   void record_accumulation(const Program& program);
   void record_errors(const Program& program);
@@ -117,7 +120,8 @@ class SideMeans {
   Primitives primitives_;
   Channels channels_;
   Parameters parameters_;
-  uint32_t sides_, chunks_;
+  SideHalves halves_;
+  uint32_t sides_, chunks_;  ///< halves of all texel sides, as kernels count them; chunks of them
   TypedBuffer<float4> light_samples_;
   TypedBuffer<float> accessibility_;
   TypedBuffer<float4> albedo_, emission_, records_;

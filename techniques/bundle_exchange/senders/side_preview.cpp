@@ -15,7 +15,7 @@ constexpr uint32_t kLevels = 4;     // even: the last one ends in the first buff
 SidePreview::SidePreview(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
                          const SideMeans& means)
     : scheduler_(&scheduler), means_(&means) {
-  const uint32_t sides = atlas.info().texel_count;
+  const uint32_t sides = means.halves().count;
   for (int k = 0; k < 2; ++k) {
     indirect_[k] = TypedBuffer<float4>(device, technique_name, "smoothed texel sides", sides, remedies::lower_texels);
     direct_[k] = TypedBuffer<float4>(device, technique_name, "smoothed direct light",

@@ -51,10 +51,11 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
                              __global float4* restrict next_direct, __global float* restrict next_variance) {
   const uint side = get_global_id(0) + slice_base;
   if (side >= sides) return;
-  const uint doubles = atlas_info.double_sided_count;
-  const bool front = side < doubles || side >= 2u * doubles;
+  const uint doubles = atlas_info.double_sided_count, of_atlas = side % atlas_info.texel_count,
+             begin = side - of_atlas;  // of all halves of its kind
+  const bool front = of_atlas < doubles || of_atlas >= 2u * doubles;
   // Find the texel side's own cell, from which neighbours are counted.
-  const AtlasTexel texel = atlas_texels[side];
+  const AtlasTexel texel = atlas_texels[of_atlas];
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
   const uint home = atlas_cell(triangle, atlas_uv(triangle, texel.b1, texel.b2)),
              pitch = LUCARIUM_ATLAS_PITCH(triangle);
@@ -76,6 +77,7 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
       if (cell == LUCARIUM_NONE) continue;
       other = atlas_side(atlas_info, atlas_table[cell], front);
       if (other == LUCARIUM_NONE) continue;
+      other += begin;
     }
     const float other_variance = variance[other];
     if (other_variance < 0.0f) continue;

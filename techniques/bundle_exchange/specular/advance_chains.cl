@@ -5,7 +5,7 @@
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/shared/contribution_layout.h"
 #include "lucarium/atlas_surface.clh"
-#include "lucarium/surface_atlas.clh"
+#include "lucarium/services/texel_sides/side_halves.clh"
 
 // What chains find for their targets.
 typedef struct Contributions {
@@ -15,6 +15,8 @@ typedef struct Contributions {
   AtlasInfo atlas_info;
   const __global AtlasTriangle* atlas_triangles;
   const __global uint* atlas_table;
+  uint half_count;
+  const __global uint* covered;
   const __global float4* diffuse;  // what texel sides send by their diffuse lobe, BUNDLE_REFLECTED channels each
   uint limit;                      // ChainSettings::limit
 } Contributions;
@@ -35,20 +37,23 @@ bool chain_surface(Contributions* contributions, const Scene* scene, const Specu
       atlas_texel(contributions->atlas_triangles, contributions->atlas_table, hit.triangle, hit.u, hit.v);
   const uint side = atlas_side(contributions->atlas_info, texel, surface->flags & LUCARIUM_SURFACE_FRONT);
   if (side == LUCARIUM_NONE) return false;
+  const size_t sender = side + half_at(contributions->atlas_info, contributions->half_count, contributions->covered,
+                                       contributions->atlas_triangles + hit.triangle, side, hit.u, hit.v);
   for (uint k = 0u; k < BUNDLE_REFLECTED &&
                     (contributions->limit == LUCARIUM_NONE || k + 1u + chain->vertices <= contributions->limit);
        ++k)
     chain_light(contributions, chain->target, k + 1u + chain->vertices,
-                chain->throughput.xyz * contributions->diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz);
+                chain->throughput.xyz * contributions->diffuse[sender * BUNDLE_REFLECTED + k].xyz);
   return true;
 }
 
 __kernel void advance_texel_chains(LUCARIUM_CHAIN_PARAMETERS AtlasInfo atlas_info,
                                    __global const AtlasTriangle* restrict atlas_triangles,
-                                   __global const uint* restrict atlas_table, __global const float4* restrict diffuse,
-                                   uint layout, __global float4* restrict contribution) {
-  Contributions contributions = {contribution, layout,  atlas_info,    atlas_triangles,
-                                 atlas_table,  diffuse, settings.limit};
+                                   __global const uint* restrict atlas_table,
+                                   SIDE_HALVES_PARAMETERS __global const float4* restrict diffuse, uint layout,
+                                   __global float4* restrict contribution) {
+  Contributions contributions = {contribution, layout,  atlas_info, atlas_triangles, atlas_table,
+                                 half_count,   covered, diffuse,    settings.limit};
   LUCARIUM_ADVANCE_CHAINS(&contributions);
 }
 

@@ -7,7 +7,7 @@ namespace lucarium::bundle {
 
 ChainTracer::ChainTracer(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
                          const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& diffuse,
-                         const Options& options)
+                         const SideHalves& halves, const Options& options)
     : contribution_(device, technique_name, "found for " + options.what,
                     size_t{options.targets} * options.contributions),
       chains_(device, scheduler, scene, intersector, {options.targets, options.punctual, technique_name, options.what},
@@ -17,6 +17,7 @@ ChainTracer::ChainTracer(Device& device, KernelScheduler& scheduler, const Progr
                .bind_advance =
                    [=, &atlas, contribution = contribution_](PassBuilder& pass) {
                      atlas.bind(pass);
+                     halves.bind(pass);
                      pass.arg("diffuse", diffuse).arg("layout", options.layout).arg("contribution", contribution);
                    },
                .bind_add_light =

@@ -8,7 +8,7 @@
 namespace lucarium::bundle {
 
 /// Specular chains that look up the diffuse light of texel sides, and the light that they find for their targets
-/// (advance_chains.cl).
+/// (advance_chains.cl). `diffuse`: of their `halves`.
 class ChainTracer {
  public:
   struct Options {
@@ -20,7 +20,7 @@ class ChainTracer {
   };
   ChainTracer(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
               const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& diffuse,
-              const Options& options);
+              const SideHalves& halves, const Options& options);
 
   /// What begins chains clears.
   const TypedBuffer<float4>& contribution() const { return contribution_; }

@@ -51,7 +51,7 @@ SideChains::SideChains(Device& device, KernelScheduler& scheduler, const Program
       list_(device, technique_name, "specular texel sides", list.sides),
       size_(device, technique_name, "number of specular texel sides", std::vector<uint32_t>{count_}),
       probabilities_(device, technique_name, "probabilities of chains", count_),
-      tracer_(device, scheduler, program, scene, intersector, atlas, means.diffuse_sent(),
+      tracer_(device, scheduler, program, scene, intersector, atlas, means.diffuse_sent(), means.halves(),
               tracer_options(count_, means.channels(), options)) {
   std::vector<float> probabilities = list.reflectance;
   for (float& p : probabilities) p *= options.share;
@@ -99,6 +99,8 @@ void SideChains::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, co
   apply.pass("send chains' light", program_, "apply_contributions")
       .global(count_)
       .arg("count", count_)
+      .arg("sides", means.halves().sides)
+      .arg("half_count", means.halves().count)
       .arg("list", list_)
       .arg("diffuse", means.diffuse_sent())
       .arg("contribution", tracer_.contribution())

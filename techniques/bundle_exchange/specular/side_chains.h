@@ -36,6 +36,7 @@ class SideChains {
   void warm_up();
   /// Per listed texel side, Channels::reflected() float4: what find() has added to what it sends.
   const TypedBuffer<float4>& contribution() const { return tracer_.contribution(); }
+  uint32_t count() const { return count_; }  ///< texel sides of the list
   uint64_t rays() const { return tracer_.chains().rays(); }
   void reset_count() { tracer_.chains().reset_count(); }
 

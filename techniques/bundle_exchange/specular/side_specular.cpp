@@ -43,13 +43,17 @@ SideSpecular::SideSpecular(Device& device, KernelScheduler& scheduler, const Pro
   options.by_area = by_area;
   options.adds = chains.only_punctual = punctual;
   if (punctual) light_ = make_chains(lists.glossy);
-  history_ =
-      std::make_unique<DirectionHistory>(device, scheduler, program, scene, atlas, means, lists.glossy.sides, options);
+  std::vector<uint32_t> sides = lists.glossy.sides;
+  if (means.halves().two())
+    for (const uint32_t side : lists.glossy.sides) sides.push_back(means.halves().sides + side);
+  history_ = std::make_unique<DirectionHistory>(device, scheduler, program, scene, atlas, means, sides, options);
 }
 
-size_t SideSpecular::estimate_bytes(size_t sides, const Channels& channels, const Parameters& parameters) {
-  const size_t history =
-      uses_history(parameters) ? DirectionHistory::estimate_bytes(sides, channels, history_options(parameters)) : 0;
+size_t SideSpecular::estimate_bytes(size_t sides, uint32_t halves, const Channels& channels,
+                                    const Parameters& parameters) {
+  const size_t history = uses_history(parameters)
+                             ? DirectionHistory::estimate_bytes(halves * sides, channels, history_options(parameters))
+                             : 0;
   return SideChains::estimate_bytes(sides, channels) + history;
 }
 

@@ -22,10 +22,11 @@ class SideSpecular {
   static float min_alpha(const Parameters& parameters);
   /// Whether some texel side reflects directions, which then must be independent of each other.
   bool has_history() const { return history_ != nullptr; }
-  /// The texel sides that do (where has_history()), and what light samples bring to what each sends, as
-  /// SideChains::contribution(): null without punctual lights.
+  /// The texel sides that do (where has_history()), or their open halves and then their covered ones, and what light
+  /// samples bring to what each of the sides sends, as SideChains::contribution(): null without punctual lights.
   const TypedBuffer<uint32_t>& history_sides() const { return history_->sides(); }
   const TypedBuffer<float4>* history_light() const { return light_ ? &light_->contribution() : nullptr; }
+  uint32_t lit_sides() const { return light_ ? light_->count() : 0; }  ///< that light samples are brought to
 
   /// The next batch; a batch that was cancelled may be begun again.
   void begin_batch(const DirectionSequence& sequence, uint64_t first, uint32_t count);
@@ -38,7 +39,7 @@ class SideSpecular {
   void reset();
   void warm_up();
   uint64_t rays() const { return (chains_ ? chains_->rays() : 0) + (light_ ? light_->rays() : 0); }
-  static size_t estimate_bytes(size_t sides, const Channels& channels, const Parameters& parameters);
+  static size_t estimate_bytes(size_t sides, uint32_t halves, const Channels& channels, const Parameters& parameters);
 
  private:
   std::unique_ptr<SideChains> chains_, light_;  ///< chains; light samples of texel sides of the direction history

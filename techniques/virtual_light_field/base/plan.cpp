@@ -7,6 +7,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/direct_light/direct_light.h"
+#include "lucarium/services/texel_sides/side_halves.h"
 #include "lucarium/shared/layered_raster.h"
 #include "lucarium/shared/texel_sides.h"
 #include "virtual_light_field/directions/direction_grid.h"
@@ -39,8 +40,7 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
                             parameters.eye_specular == EyeLobes::vlf);
   plan.lobes = has_specular_lobes(scene);
   plan.first_surface = plan.lobes && parameters.eye_specular == EyeLobes::vlf;
-  plan.glass = parameters.access_gap > 0 && std::any_of(scene.materials.begin(), scene.materials.end(),
-                                                        [](const SceneMaterial& m) { return m.transmission > 0; });
+  plan.halves = SideHalves::per_side(scene, parameters.access_gap);
   plan.fold = parameters.weak_lobes == WeakLobes::fold;
   plan.traced = plan.lobes && parameters.eye_glossy == EyeLobes::trace;
   plan.sampled = parameters.direct_mode == DirectMode::nee;

@@ -18,7 +18,7 @@ struct Plan {
   bool fold = true;            ///< coats below tile_albedo reflect diffusely in propagation
   bool first_surface = false;  ///< pixels look up the tiles of mirrors and glass
   bool traced = true;          ///< pixels send rays by specular lobes
-  bool glass = false;          ///< SideAccessibility::Options::glass
+  uint32_t halves = 1;         ///< SideAccessibility::Options::halves
   bool sampled = true;         ///< the first sweep's irradiance is that of light samples
   uint32_t light_kinds = 0;    ///< of light samples at texel sides
   uint32_t eye_kinds = 0;      ///< of light samples at pixels; 0: the atlas shows direct light

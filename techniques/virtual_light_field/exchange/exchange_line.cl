@@ -15,7 +15,7 @@ typedef struct Exchange {
   LINE_ROWS_MEMBERS
   const __global uint* accessibility;
   const __global float2* interior;  // y: what a ray counts that meets a back
-#ifdef FIELD_HALVES
+#ifdef SIDE_HALVES
   const __global uint* covered;  // which parts belong to the covered half of their side
   uint sides;                    // records of covered halves begin behind those of so many open ones
 #endif
@@ -50,10 +50,11 @@ void layered_expect(Exchange* exchange, uint payload) { bundle_expect(exchange, 
 
 // The record of the half of a side that a part belongs to.
 size_t record_of(const Exchange* exchange, FragmentSide end) {
-#ifdef FIELD_HALVES
-  if (part_covered(exchange->covered, end.side, end.part)) return 2u * ((size_t)exchange->sides + end.side);
-#endif
+#ifdef SIDE_HALVES
+  return 2u * (size_t)half_of_part(exchange->covered, exchange->sides, end.side, end.part);
+#else
   return 2u * (size_t)end.side;
+#endif
 }
 
 // One end of a ray in the scene.
@@ -199,7 +200,7 @@ LUCARIUM_FLATTEN void layered_ray_ends(Exchange* exchange, uint2 pixel, uint pay
 #define EXCHANGE_POINTS_PARAMETERS
 #define EXCHANGE_SET_SUMS(exchange) EXCHANGE_SET_RECEIVED(exchange)
 #endif
-#ifdef FIELD_HALVES
+#ifdef SIDE_HALVES
 #define EXCHANGE_HALVES_PARAMETERS __global const uint *covered, uint sides,
 #define EXCHANGE_SET_HALVES(exchange) \
   (exchange)->covered = covered;      \

@@ -23,7 +23,7 @@ void LightField::save(StateWriter& chunks) const {
   chunks.put("sides.direct", shown_direct_);
   chunks.put("sides.indirect", shown_);
   chunks.put("sides.held", held_);
-  if (half_count_ > sides_) chunks.put("sides.covered", covered_);
+  if (halves_.two()) chunks.put("sides.covered", halves_.covered);
   if (!tiled_) return;
   chunks.put("cells.total", cells_.total);
   if (options_.split) chunks.put("cells.direct", cells_.direct);
@@ -37,7 +37,7 @@ void LightField::load(const StateReader& chunks) {
   chunks.get_finite_buffer("sides.direct", shown_direct_);
   chunks.get_finite_buffer("sides.indirect", shown_);
   chunks.get_finite_buffer("sides.held", held_);
-  if (half_count_ > sides_) chunks.get_buffer("sides.covered", covered_);
+  if (halves_.two()) chunks.get_buffer("sides.covered", halves_.covered);
   if (tiled_) {
     chunks.get_buffer("cells.total", cells_.total);
     if (options_.split) chunks.get_buffer("cells.direct", cells_.direct);

@@ -55,7 +55,7 @@ FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const S
     : atlas(device, scheduler, scene, buffers, atlas_options(plan, report), technique_name),
       interior(device, scheduler, buffers, intersector, atlas, technique_name, remedies::lower_texels),
       accessibility(device, buffers, atlas,
-                    {parameters.pixel_size, parameters.access_gap, parameters.access_rays, plan.glass}, technique_name,
+                    {parameters.pixel_size, parameters.access_gap, parameters.access_rays, plan.halves}, technique_name,
                     remedies::lower_texels),
       subfield(plan_subfield(parameters, scene.bounds(), atlas.report().area,
                              static_cast<double>(atlas.info().texel_edge), min_pixel(atlas, buffers, parameters))),

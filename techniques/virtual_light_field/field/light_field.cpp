@@ -60,22 +60,20 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       maps_(device, scheduler, host_scene, scene, grid_, patches,
             {options.subfield.cells, options.subfield.cell, atlas.info().texel_edge, options.seed, options.rows}),
       tiled_(maps_.cells() > 0),
-      sides_(atlas.info().texel_count),
-      half_count_(accessibility.halves() * sides_),
+      halves_(accessibility.side_halves()),
       light_samples_(light_samples),
       albedo_(device, technique_name, "albedo of texel sides",
               transport_albedo(atlas.materials().download(), patches, options.fold, false), remedies::lower_texels),
-      records_(device, technique_name, "records of texel sides", 2 * size_t{half_count_}, remedies::lower_texels),
-      direct_(device, technique_name, "direct light of texel sides", half_count_, remedies::lower_texels),
-      indirect_(device, technique_name, "indirect light of texel sides", half_count_, remedies::lower_texels),
-      last_(device, technique_name, "light of the last sweep", half_count_, remedies::lower_texels),
-      shown_direct_(device, technique_name, "displayed direct light", half_count_, remedies::lower_texels),
-      shown_(device, technique_name, "displayed indirect light", half_count_, remedies::lower_texels),
-      held_(device, technique_name, "light that rays look up", half_count_, remedies::lower_texels),
+      records_(device, technique_name, "records of texel sides", 2 * size_t{halves_.count}, remedies::lower_texels),
+      direct_(device, technique_name, "direct light of texel sides", halves_.count, remedies::lower_texels),
+      indirect_(device, technique_name, "indirect light of texel sides", halves_.count, remedies::lower_texels),
+      last_(device, technique_name, "light of the last sweep", halves_.count, remedies::lower_texels),
+      shown_direct_(device, technique_name, "displayed direct light", halves_.count, remedies::lower_texels),
+      shown_(device, technique_name, "displayed indirect light", halves_.count, remedies::lower_texels),
+      held_(device, technique_name, "light that rays look up", halves_.count, remedies::lower_texels),
       shares_(accessibility.shares()),
-      covered_(accessibility.covered()),
       side_norms_(device, technique_name, "norms of texel sides",
-                  size_t{FIELD_NORMS} * divide_up(half_count_, FIELD_NORM_CHUNK), remedies::lower_texels),
+                  size_t{FIELD_NORMS} * divide_up(halves_.count, FIELD_NORM_CHUNK), remedies::lower_texels),
       norms_(device, technique_name, "norms", FIELD_NORMS),
       cells_(device, maps_.cells(), options.split, !options.loaded),
       side_program_(make_field_program(device, "scatter/fold_sides")) {
@@ -109,20 +107,20 @@ void LightField::record_sides() {
   PassBuilder first = emit.pass("emit", side_program_, "emit_sides");
   atlas_->bind(first);
   maps_.bind(first);
-  first.global(half_count_).arg("sides", sides_).arg("half_count", half_count_).arg("records", records_);
+  first.global(halves_.count).arg("sides", halves_.sides).arg("half_count", halves_.count).arg("records", records_);
   emit_ = emit.compile();
 
   const std::vector<AtlasMaterial> materials = atlas_->materials().download();
   const bool emits = std::any_of(materials.begin(), materials.end(),
                                  [](const AtlasMaterial& m) { return brightest(m.emission.xyz()) > 0; });
-  const uint32_t chunks = divide_up(half_count_, FIELD_NORM_CHUNK);
+  const uint32_t chunks = divide_up(halves_.count, FIELD_NORM_CHUNK);
   ScheduleRecorder fold = scheduler_->record("end of a sweep", technique_name);
   fold_sweep_ = fold.variable("sweep", 0u);
   PassBuilder sides = fold.pass("fold texel sides", side_program_, "fold_sides");
   atlas_->bind(sides);
   sides.global(chunks)
-      .arg("sides", sides_)
-      .arg("half_count", half_count_)
+      .arg("sides", halves_.sides)
+      .arg("half_count", halves_.count)
       .arg("sweep", fold_sweep_)
       .arg("sampled", options_.sampled ? 1u : 0u)
       .arg("exchanged", host_scene_->environment || emits ? 1u : 0u)
@@ -145,8 +143,8 @@ void LightField::record_sides() {
   show_tail_ = show.variable("tail", float4{});
   show_hold_ = show.variable("hold", 0u);
   show.pass("show texel sides", side_program_, "show_sides")
-      .global(half_count_)
-      .arg("half_count", half_count_)
+      .global(halves_.count)
+      .arg("half_count", halves_.count)
       .arg("tail", show_tail_)
       .arg("hold", show_hold_)
       .arg("shares", shares_)
@@ -192,7 +190,7 @@ void LightField::find_scale() {
   for (size_t i = 0; i < samples.size(); ++i) {
     if (!(samples[i].w > 0)) continue;
     // Of a punctual light, rough metal sends as much as its lobe is narrow, D(n) = 1 / (pi alpha^2).
-    const auto alpha = static_cast<double>(materials[i % sides_].diffuse.w);
+    const auto alpha = static_cast<double>(materials[i % halves_.sides].diffuse.w);
     const double peak =
         !scatter_ || !scatter_->has_lights() || alpha == 0 ? 1 : std::clamp(1 / (alpha * alpha), 1., kMaxPeak);
     largest = std::max(largest, peak * brightest(samples[i].xyz()) / static_cast<double>(samples[i].w) / pi);
@@ -224,7 +222,7 @@ bool LightField::advance(double subfield_pixels) {
       work_left_ -= subfields_->pixels();
       continue;
     }
-    work_left_ -= kSideWork * half_count_;
+    work_left_ -= kSideWork * halves_.count;
     end_subfields();
   }
   work_left_ = 0;

@@ -63,8 +63,7 @@ class LightField {
   const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }
   const TypedBuffer<float4>& shown() const { return shown_; }
   const TypedBuffer<float4>& held() const { return held_; }
-  uint32_t half_count() const { return half_count_; }                ///< halves of all texel sides together
-  const TypedBuffer<uint32_t>& covered() const { return covered_; }  ///< SideAccessibility::covered()
+  const SideHalves& halves() const { return halves_; }
   /// Of the last sweep that has ended, xyz irradiance over π; w: Σ ΔΩ a of the rays that met the side [sr].
   const TypedBuffer<float4>& last() const { return last_; }
   const TileMaps& maps() const { return maps_; }
@@ -123,10 +122,9 @@ class LightField {
   DirectionGrid grid_;
   TileMaps maps_;
   bool tiled_;
-  uint32_t sides_, half_count_;  ///< halves of all sides
+  SideHalves halves_;
   TypedBuffer<float4> light_samples_, albedo_, records_, direct_, indirect_, last_, shown_direct_, shown_, held_;
   TypedBuffer<float> shares_;
-  TypedBuffer<uint32_t> covered_;
   TypedBuffer<float4> side_norms_, norms_;
   CellBuffers cells_;
   Program side_program_;

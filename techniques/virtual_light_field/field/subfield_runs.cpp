@@ -135,8 +135,8 @@ void SubfieldRuns::record_exchange(Device& device, const LayeredRaster& raster, 
   std::map<std::string, std::string> defines = raster.defines();
   if (extinction_) defines["FIELD_MEDIA"] = "";
   if (options_.perturb > 1) defines["FIELD_PERTURBED"] = "";
-  const bool halves = accessibility.halves() > 1;
-  if (halves) defines["FIELD_HALVES"] = "";
+  const SideHalves halves = accessibility.side_halves();
+  defines.merge(halves.defines());
   const bool levels = maps_->coarse_cells() > 0;
   if (levels) defines["FIELD_LEVELS"] = "";
   const Program program = make_field_program(device, "exchange/exchange_line", defines);
@@ -166,7 +166,7 @@ void SubfieldRuns::record_exchange(Device& device, const LayeredRaster& raster, 
     else
       pass.arg("received", received_);
     if (extinction_) pass.arg("extinction", extinction_);
-    if (halves) pass.arg("covered", accessibility.covered()).arg("sides", atlas.info().texel_count);
+    if (halves.two()) pass.arg("covered", halves.covered).arg("sides", halves.sides);
     if (kept) pass.arg("layered_views", views_);
   };
   if (kept)

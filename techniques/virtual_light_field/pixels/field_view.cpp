@@ -71,7 +71,7 @@ size_t FieldView::estimate_bytes(uint32_t width, uint32_t height, const Options&
 void FieldView::bind_lookups(PassBuilder& pass, const SurfaceAtlas& atlas) const {
   atlas.bind(pass);
   field_->maps().bind(pass);
-  pass.arg("half_count", field_->half_count()).arg("covered", field_->covered());
+  field_->halves().bind(pass);
   pass.arg("nearest", options_.nearest ? 1u : 0u)
       .arg("split", field_->split() ? 1u : 0u)
       .arg("fold", options_.fold ? 1u : 0u)

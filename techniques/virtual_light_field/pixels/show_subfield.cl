@@ -4,9 +4,9 @@
 #include "lucarium/atlas_light.clh"
 #include "lucarium/ray_ends.clh"
 #include "lucarium/scene.clh"
+#include "lucarium/services/texel_sides/side_halves.clh"
 #include "lucarium/shared/ray.h"
 #include "lucarium/surface_point.clh"
-#include "virtual_light_field/pixels/side_halves.clh"
 #include "virtual_light_field/tiles/field_lookup.clh"
 
 // Subfield coordinates [cells] of an image's pixel; outside of [0, subfield) beside the subfield.
@@ -45,7 +45,7 @@ __kernel void show_subfield(
     __global const FieldLine* restrict lines, __global const uint* restrict nodes,
     __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
     __global const uint* restrict tile_cells, __global const float* restrict inverse_scale, uint split, uint fold,
-    __global const float4* restrict side_albedo, FIELD_HALVES_PARAMETERS __global const float4* restrict shown_direct,
+    __global const float4* restrict side_albedo, SIDE_HALVES_PARAMETERS __global const float4* restrict shown_direct,
     __global const float4* restrict shown, __global const uint* restrict direct, __global const uint* restrict total,
     uint count, uint width, uint height, uint line, __global const Ray* restrict rays,
     __global const Hit* restrict hits, __global float4* restrict layer) {

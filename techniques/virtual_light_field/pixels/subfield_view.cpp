@@ -36,7 +36,7 @@ SubfieldView::SubfieldView(Device& device, KernelScheduler& scheduler, const Sce
   scene.bind(show);
   atlas.bind(show);
   bind(show);
-  show.arg("half_count", field.half_count()).arg("covered", field.covered());
+  field.halves().bind(show);
   show.arg("inverse_scale", inverse_scale)
       .arg("split", field.split() ? 1u : 0u)
       .arg("fold", options.fold ? 1u : 0u)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A ray per sample by the specular lobes of what a pixel shows, that looks up the field where it ends.
 #include "lucarium/gbuffer.clh"
+#include "lucarium/services/texel_sides/side_halves.clh"
 #include "lucarium/surface_atlas.clh"
-#include "virtual_light_field/pixels/side_halves.clh"
 #include "virtual_light_field/tiles/field_lookup.clh"
 
 typedef struct Found {
@@ -83,7 +83,7 @@ __kernel void begin_rays(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* 
 __kernel void advance_rays(LUCARIUM_CHAIN_PARAMETERS AtlasInfo atlas_info,
                            __global const AtlasTriangle* restrict atlas_triangles,
                            __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
-                           FIELD_LOOKUP_PARAMETERS FIELD_HALVES_PARAMETERS __global const float4* restrict held,
+                           FIELD_LOOKUP_PARAMETERS SIDE_HALVES_PARAMETERS __global const float4* restrict held,
                            __global const float4* restrict side_albedo, __global const uint* restrict direct,
                            __global const uint* restrict total, uint split, uint fold,
                            __global float4* restrict light) {

@@ -44,9 +44,12 @@ class BundleRig {
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
         program_(make_program(*device_, channels, std::move(defines))),
         interior_(*device_, scheduler_, buffers_, bvh_, atlas_, "bundle_exchange", "lower texels"),
-        accessibility_(*device_, buffers_, atlas_, {pixel_size, parameters.access_gap}, "test", "lower texels"),
-        light_(*device_, "test", "light samples", atlas_.info().texel_count),
-        means_(*device_, scheduler_, program_, atlas_, accessibility_.shares(), light_, channels, parameters_),
+        accessibility_(*device_, buffers_, atlas_,
+                       {pixel_size, parameters.access_gap, SideAccessibility::Options{}.rays,
+                        SideHalves::per_side(scene_, parameters.access_gap)},
+                       "test", "lower texels"),
+        light_(*device_, "test", "light samples", accessibility_.side_halves().count),
+        means_(*device_, scheduler_, program_, atlas_, accessibility_, light_, channels, parameters_),
         transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), interior_, accessibility_, channels,
                   {pixel_size, parameters.transfer, nullptr}) {
     while (!interior_.complete()) interior_.advance();
@@ -63,13 +66,13 @@ class BundleRig {
 
   void send(const std::function<glm::vec3(uint32_t side)>& radiance) {
     std::vector<float4> values(means_.records().count());
-    for (uint32_t side = 0; side < sides(); ++side)
+    for (uint32_t side = 0; side < half_count(); ++side)
       values[size_t{side} * 2 * channels_.count] = float4(radiance(side), 0.f);
     TypedBuffer<float4> records = means_.records();
     records.upload(values);
   }
   void run(const DirectionSequence& sequence, uint64_t count) {
-    sums_.resize(sides());
+    sums_.resize(half_count());
     for (uint64_t i = 0; i < count; ++i) {
       transfer_.exchange(sequence.at(i), static_cast<uint32_t>(i + 1));
       if ((i + 1) % kLongestBatch == 0 || i + 1 == count) take_sums();
@@ -81,13 +84,13 @@ class BundleRig {
   std::vector<double> counted() const {
     std::vector<double> result;
     const std::vector<float4> values = means_.records().download();
-    for (uint32_t side = 0; side < sides(); ++side) result.push_back(values[size_t{side} * 2 * channels_.count].w);
+    for (uint32_t side = 0; side < half_count(); ++side) result.push_back(values[size_t{side} * 2 * channels_.count].w);
     return result;
   }
   /// E/π of every texel side by `rounds` light samples of its points.
   std::vector<double> sampled_light(uint32_t rounds) {
     SideLight light(*device_, scheduler_, buffers_, bvh_, atlas_, accessibility_, DirectLight::kAllLights, "test",
-                    "lower texels");
+                    "lower texels", true);
     light.reset(1);
     for (uint32_t i = 0; i < rounds; ++i) {
       light.sample();
@@ -103,11 +106,11 @@ class BundleRig {
 
   /// The direct irradiance of every texel side.
   void set_direct(float irradiance) {
-    light_.upload(std::vector<float4>(sides(), float4(irradiance, irradiance, irradiance, 1)));
+    light_.upload(std::vector<float4>(half_count(), float4(irradiance, irradiance, irradiance, 1)));
   }
   void set_direct(const std::function<float(uint32_t side)>& irradiance) {
     std::vector<float4> values;
-    for (uint32_t side = 0; side < sides(); ++side) {
+    for (uint32_t side = 0; side < half_count(); ++side) {
       const float e = irradiance(side);
       values.emplace_back(e, e, e, 1.f);
     }
@@ -147,7 +150,7 @@ class BundleRig {
   std::vector<double> direct() const { return red(means_.shown_direct()); }
   /// What SidePreview makes of values that have the given variance each (after solve()).
   std::vector<double> smooth(const std::vector<float>& values, float variance) {
-    std::vector<float4> shown, statistics(sides(), float4(variance, 0, 0, 1));
+    std::vector<float4> shown, statistics(half_count(), float4(variance, 0, 0, 1));
     for (const float v : values) shown.emplace_back(v, v, v, 1.f);
     TypedBuffer<float4> shown_buffer = means_.shown(), statistics_buffer = means_.statistics();
     shown_buffer.upload(shown);
@@ -205,9 +208,21 @@ class BundleRig {
     return static_cast<double>(result);
   }
   uint32_t sides() const { return atlas_.info().texel_count; }
+  /// In scenes with glass what is said of each side above holds of each half: first of all open ones, then of all
+  /// covered ones. As many as sides otherwise.
+  uint32_t half_count() const { return means_.halves().count; }
+  /// Their areas times accessibility [m²].
+  std::vector<double> half_areas() const {
+    const std::vector<AtlasTexel> all = texels();
+    std::vector<double> result;
+    for (const float share : accessibility())
+      result.push_back(double{share} * double{all[result.size() % sides()].area});
+    return result;
+  }
   std::vector<AtlasTexel> texels() const { return atlas_.texels().download(); }
   std::vector<float2> interior() const { return interior_.shares().download(); }
   std::vector<float> accessibility() const { return accessibility_.shares().download(); }
+  std::vector<uint32_t> point_levels() const { return accessibility_.points().download(); }
   std::vector<SurfacePoint> points() const { return atlas_.surface_points().download(); }
   std::vector<AtlasMaterial> materials() const { return atlas_.materials().download(); }
   /// Instance that a world triangle belongs to.
@@ -223,7 +238,7 @@ class BundleRig {
     scheduler_.finish();
     TypedBuffer<float4> records = means_.records();
     std::vector<float4> values = records.download();
-    for (uint32_t side = 0; side < sides(); ++side) {
+    for (uint32_t side = 0; side < half_count(); ++side) {
       float4& batch = values[size_t{side} * 2 * channels_.count + 1];
       sums_[side] += glm::dvec4(batch.x, batch.y, batch.z, batch.w);
       batch = float4{};

@@ -1,70 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texels of a floor that lie partly under glass: a sheet of index 1, which nobody sees, hovers above it. It blocks
-// light samples, and what they miss comes through it along the lines of the field: together as much as without the
-// sheet.
+// Texels that lie partly under glass: what light samples miss below a sheet comes through it along the lines of the
+// field.
 #include <doctest/doctest.h>
 
-#include <cmath>
-
 #include "field_rig.h"
-#include "lucarium/scene/builtin/builder.h"
+#include "invisible_sheet.h"
 #include "technique_session.h"
 #include "tolerance.h"
 
 using namespace lucarium;
+using test::half_floor;
+using test::half_sheet;
+using test::invisible_sheet;
 using test::Options;
 using test::relative;
 using test::with;
 
 namespace {
-
-constexpr float height = 0.05f;  // of the sheet above the floor [m]: half an edge of a texel
-constexpr float half_sheet = 0.5f, half_floor = 1.6f, albedo = 0.5f;
-
-/// `turned`: the sheet about the vertical [rad].
-Scene invisible_sheet(float turned = 0) {
-  Scene scene;
-  scene.environment = Environment{};
-  scene.environment->factor = glm::vec3(1);
-  const auto add_square = [&](float half, float y, float angle, const SceneMaterial& material) {
-    const glm::vec3 x = half * glm::vec3(std::cos(angle), 0, std::sin(angle)), z(-x.z, 0, x.x), up(0, y, 0);
-    test::add_polygon(scene, {up - x + z, up + x + z, up + x - z, up - x - z}, test::add_material(scene, material));
-  };
-  add_square(half_floor, 0, 0, test::lambert(albedo));
-  SceneMaterial sheet;
-  sheet.metallic = 0;
-  sheet.roughness = 0;
-  sheet.ior = 1;
-  sheet.transmission = 1;
-  sheet.double_sided = true;
-  add_square(half_sheet, height, turned, sheet);
-  // From just below the sheet: 24 pixels of 10 cm.
-  SceneCamera camera;
-  camera.name = "below";
-  camera.perspective = false;
-  camera.xmag = camera.ymag = 1.2f;
-  camera.world_from_camera = frame_along({0, 0.5f * height, 0}, {0, -1, 0});
-  scene.cameras.push_back(camera);
-  return scene;
-}
-
-/// Mean over the rings of pixels on the inner and on the outer side of the sheet's edge, over what is right.
-struct Rings {
-  double inside = 0, outside = 0;
-};
-Rings rings(const std::vector<float>& image) {
-  Rings sum, count;
-  for (int y = 0; y < 24; ++y) {
-    for (int x = 0; x < 24; ++x) {
-      // The edge is 5 pixels from the middle.
-      const int ring = std::max(std::max(x - 12, 11 - x), std::max(y - 12, 11 - y));
-      const auto value = static_cast<double>(image[3 * (24 * static_cast<size_t>(y) + static_cast<size_t>(x))]);
-      if (ring == 4) sum.inside += value / static_cast<double>(albedo), ++count.inside;
-      if (ring == 5) sum.outside += value / static_cast<double>(albedo), ++count.outside;
-    }
-  }
-  return {sum.inside / count.inside, sum.outside / count.outside};
-}
 
 const Options few_lines = {{"dir_n", "8"}, {"cells", "64"}, {"texels", "1200"}, {"preview", "off"}};
 
@@ -72,13 +24,13 @@ const Options few_lines = {{"dir_n", "8"}, {"cells", "64"}, {"texels", "1200"}, 
 
 TEST_CASE("a sheet that nobody sees takes no light from texels that lie partly under it, and gives them none") {
   for (const Options& eye : {Options{{"camera_samples", "256"}}, Options{{"preset", "walkthrough"}}}) {
-    Rings mean;
+    test::SheetRings mean;
     constexpr uint64_t seeds = 4;
     for (uint64_t seed = 1; seed <= seeds; ++seed) {
       const auto run = test::session("virtual_light_field", invisible_sheet(), {.seed = seed, .max_bounces = -1},
                                      with(eye, few_lines));
       run->run({.iterations = 2000});
-      const Rings one = rings(run->resolve().image());
+      const test::SheetRings one = test::sheet_rings(run->resolve().image());
       mean.inside += one.inside / seeds;
       mean.outside += one.outside / seeds;
     }

@@ -46,13 +46,13 @@ SideAccessibility::SideAccessibility(Device& device, const SceneBuffers& buffers
     : options_(options),
       owner_(owner),
       remedy_(remedy),
-      halves_(options.glass && options.access_gap > 0 ? 2 : 1),
-      shares_(device, owner_, "accessibility of texel sides", size_t{halves_} * atlas.info().texel_count, remedy_),
-      parts_(device, owner_, "accessibility of texel sides' parts", size_t{atlas.info().texel_count} * SIDE_PART_WORDS,
-             remedy_),
+      sides_(atlas.info().texel_count),
+      halves_(options.access_gap > 0 ? options.halves : 1),
+      shares_(device, owner_, "accessibility of texel sides", size_t{halves_} * sides_, remedy_),
+      parts_(device, owner_, "accessibility of texel sides' parts", size_t{sides_} * SIDE_PART_WORDS, remedy_),
       covered_(device, owner_, "covered parts of texel sides",
-               halves_ > 1 ? size_t{atlas.info().texel_count} * SIDE_COVER_WORDS : SIDE_COVER_WORDS, remedy_),
-      points_(device, owner_, "accessibility of texel sides' points", atlas.info().texel_count, remedy_) {
+               halves_ > 1 ? size_t{sides_} * SIDE_COVER_WORDS : SIDE_COVER_WORDS, remedy_),
+      points_(device, owner_, "accessibility of texel sides' points", sides_, remedy_) {
   if (atlas.info().cell_count > kMaxCells)
     throw_error(ErrorClass::usage, "{}: the atlas has {} cells, more than {}: {}", owner, atlas.info().cell_count,
                 kMaxCells, remedy);

@@ -7,6 +7,7 @@
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/services/interior_surfaces/texel_interior.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
+#include "lucarium/services/texel_sides/side_halves.h"
 
 namespace lucarium {
 
@@ -28,9 +29,9 @@ namespace lucarium {
 /// The price: rays shorter than g get the radiance that is right for far receivers, so places close to an occluder
 /// receive too much; they count little in the result.
 ///
-/// With `glass`, surfaces that transmit occlude nothing: what is close under glass is seen through it. But the light
-/// below glass often ends at a sharp edge, with the shadow of the lamp beside it, and only one of them is seen at a
-/// time. Texel sides therefore have two halves then, whose light is kept apart: a part belongs to the covered half
+/// With two `halves`, surfaces that transmit occlude nothing: what is close under glass is seen through it. But the
+/// light below glass often ends at a sharp edge, with the shadow of the lamp beside it, and only one of them is seen at
+/// a time. Texel sides therefore have two halves then, whose light is kept apart: a part belongs to the covered half
 /// where most of its rays meet a surface that transmits within the gap, else to the open one. What is kept per texel
 /// side is then there twice, first for all open halves, then for all covered ones.
 ///
@@ -42,7 +43,7 @@ class SideAccessibility {
     float pixel_size = 0.5f;  ///< edge of a bundle pixel in texel edges
     float access_gap = 2;     ///< in texel edges; 0: all rays are open
     int rays = 256;           ///< of a texel that faces all directions
-    bool glass = false;       ///< with `access_gap`: two halves of each texel side
+    uint32_t halves = 1;      ///< of each texel side, with `access_gap`: SideHalves::per_side()
   };
   /// Bundles that give a texel which faces all directions so many rays, within what is sensible.
   static double bundles(float pixel_size, int rays);
@@ -62,13 +63,14 @@ class SideAccessibility {
   bool complete() const { return complete_; }
 
   // What holds when complete:
-  /// 2 with `glass`, else 1.
+  /// Options::halves with a gap, else 1.
   uint32_t halves() const { return halves_; }
+  SideHalves side_halves() const { return {sides_, halves_ * sides_, covered_}; }
   /// Per texel side, of its halves: mean accessibility over its area [1], which is what its area counts.
   const TypedBuffer<float>& shares() const { return shares_; }
   /// Per texel side: accessibility of its parts, four words (side_parts.clh).
   const TypedBuffer<uint32_t>& parts() const { return parts_; }
-  /// Per texel side: which of its parts belong to the covered half, two words; without `glass` nothing.
+  /// Per texel side: which of its parts belong to the covered half, two words; without halves nothing.
   const TypedBuffer<uint32_t>& covered() const { return covered_; }
   /// Per texel side: accessibility of its random points, 4 bits each; 0: hidden, or closed (side_points.clh).
   const TypedBuffer<uint32_t>& points() const { return points_; }
@@ -83,7 +85,7 @@ class SideAccessibility {
   struct Probes;
   Options options_;
   std::string owner_, remedy_;
-  uint32_t halves_;
+  uint32_t sides_, halves_;
   TypedBuffer<float> shares_;
   TypedBuffer<uint32_t> parts_;
   TypedBuffer<uint32_t> covered_;

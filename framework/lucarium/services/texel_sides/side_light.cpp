@@ -16,7 +16,7 @@ constexpr uint32_t kChunk = 65536;  // shadow rays of an iteration: about 20 ms
 
 SideLight::SideLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                      const Intersector& intersector, const SurfaceAtlas& atlas, const SideAccessibility& accessibility,
-                     uint32_t kinds, const std::string& owner, const std::string& remedy)
+                     uint32_t kinds, const std::string& owner, const std::string& remedy, bool fill)
     : scheduler_(&scheduler),
       none_(kinds == 0),
       sides_(atlas.info().texel_count),
@@ -56,6 +56,21 @@ SideLight::SideLight(Device& device, KernelScheduler& scheduler, const SceneBuff
       .arg("levels", accessibility.points())
       .arg("samples", samples_)
       .arg("light_samples", light_samples_);
+  const SideHalves halves = accessibility.side_halves();
+  if (fill && halves.two()) {
+    const Program fill_program(
+        device, SourceLibrary(),
+        {"services/texel_sides/fill_halves", {"lucarium/services/texel_sides/fill_halves.cl"}, {}});
+    PassBuilder pass = scatter.pass("fill halves of texel sides", fill_program, "fill_halves");
+    atlas.bind(pass);
+    pass.global(chunk_)
+        .arg("first", scatter_first_)
+        .arg("count", scatter_count_)
+        .arg("sides", sides_)
+        .arg("levels", accessibility.points())
+        .arg("covered", halves.covered)
+        .arg("light_samples", light_samples_);
+  }
   scatter_ = scatter.compile();
 }
 

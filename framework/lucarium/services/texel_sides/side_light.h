@@ -13,10 +13,11 @@ namespace lucarium {
 /// one more sample per iteration, so that iterations stay short.
 class SideLight {
  public:
-  /// `owner` pays for the memory; `remedy` is what a message about too little of it advises.
+  /// `owner` pays for the memory; `remedy` is what a message about too little of it advises. `fill`: halves in which no
+  /// point lies get the light of their neighbours (fill_halves.cl), for who knows nothing better; else they get none.
   SideLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
             const SurfaceAtlas& atlas, const SideAccessibility& accessibility, uint32_t kinds, const std::string& owner,
-            const std::string& remedy);
+            const std::string& remedy, bool fill = false);
 
   /// Samples the next run of texel sides; false when cancelled. commit() then adds it; without it nothing has changed.
   bool sample();

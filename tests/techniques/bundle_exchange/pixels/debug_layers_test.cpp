@@ -7,6 +7,7 @@
 
 #include "bundle_exchange/declaration.h"
 #include "glossy_box.h"
+#include "invisible_sheet.h"
 #include "technique_rig.h"
 #include "tolerance.h"
 
@@ -181,26 +182,32 @@ TEST_CASE("highlights of a point light are none of the direction history's: it i
   parameters.glossy_window = 8;
   parameters.batch = 1;
   parameters.history_alpha = 0.01f;
-  Scene scene = shining_box(1, 0.7f);
-  SceneLight lamp;
-  lamp.type = LightType::point;
-  lamp.world_from_light = glm::translate(glm::mat4(1), glm::vec3(0.4f, 0.5f, 0.6f));
-  lamp.intensity = glm::vec3(3);
-  scene.lights.push_back(lamp);
-  BundleRig rig(std::move(scene), 600, 0.25f, glossy_channels(1), parameters);
-  const SideState& state = rig.watch();
-  const DirectionSequence sequence = make_sequence(parameters, 3, nullptr, true);
-  const auto most = [](const TypedBuffer<float4>& values) {
-    double result = 0;
-    for (const float4& v : values.download()) result = std::max(result, std::abs(static_cast<double>(v.x)));
-    return result;
-  };
-  rig.solve(sequence, 1);
-  REQUIRE(rig.specular().history_light());
-  CHECK(most(*rig.specular().history_light()) > 0.1);
-  CHECK(most(state.history()) == 0);
-  rig.solve(sequence, 2, 1);
-  CHECK(most(state.history()) > 0.1);
+  for (const bool glass : {false, true}) {
+    CAPTURE(glass);
+    Scene scene = shining_box(1, 0.7f);
+    SceneLight lamp;
+    lamp.type = LightType::point;
+    lamp.world_from_light = glm::translate(glm::mat4(1), glm::vec3(0.4f, 0.5f, 0.6f));
+    lamp.intensity = glm::vec3(3);
+    scene.lights.push_back(lamp);
+    if (glass)
+      add_polygon(scene, {{0, 0.02f, 1}, {0.53f, 0.02f, 1}, {0.53f, 0.02f, 0}, {0, 0.02f, 0}},
+                  add_material(scene, invisible_glass()));
+    BundleRig rig(std::move(scene), 600, 0.25f, glossy_channels(1), parameters);
+    const SideState& state = rig.watch();
+    const DirectionSequence sequence = make_sequence(parameters, 3, nullptr, true);
+    const auto most = [](const TypedBuffer<float4>& values) {
+      double result = 0;
+      for (const float4& v : values.download()) result = std::max(result, std::abs(static_cast<double>(v.x)));
+      return result;
+    };
+    rig.solve(sequence, 1);
+    REQUIRE(rig.specular().history_light());
+    CHECK(most(*rig.specular().history_light()) > 0.1);
+    CHECK(most(state.history()) == 0);
+    rig.solve(sequence, 2, 1);
+    CHECK(most(state.history()) > 0.1);
+  }
 }
 
 TEST_CASE("debug layers when all directions are done, and after a move of the camera: texel sides keep their state") {
