@@ -151,10 +151,11 @@ __kernel void update_leaves(__global const Vertex* restrict scene_vertices,
   node.line = (float4)(0.0f);
 
   // Bound the disc that is drawn, which is the packed one.
-  node = unpack_node(pack_node(node));
+  uint4 packed = pack_node(node);
+  node = unpack_node(packed);
   const uint4 lines =
       bound_disc(scene_vertices, mesh_vertices, instance, tree, node, back, triangle_edges[leaf_triangle(leaf)], rules);
-  node.line = nearest_line(lines, &node);
+  packed.w |= pack_line(nearest_line(lines, &node), node.radius);
   clips[index] = lines;
-  nodes[tree->first_node + (1u << tree->depth) + i] = pack_node(node);
+  nodes[tree->first_node + (1u << tree->depth) + i] = packed;
 }

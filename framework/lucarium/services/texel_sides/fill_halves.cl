@@ -13,8 +13,9 @@ bool half_has_part(const __global uint* covered, uint side, bool half_covered) {
   return false;
 }
 
-// Small halves may hold no point. They have the light of the same half of a texel side beside them, else that of their
-// own side's other half.
+// Small halves may hold no point. They have the light of the same half of texel sides beside them; where these have
+// none either, open ones that of their own side's other half. Covered ones have no direct light then: samples end at
+// glass, and what comes through it arrives along bundles.
 __kernel void fill_halves(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                           __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                           __global const AtlasTexel* restrict atlas_texels, uint first, uint count, uint sides,
@@ -38,8 +39,10 @@ __kernel void fill_halves(AtlasInfo atlas_info, __global const AtlasTriangle* re
       if ((du == 0 && dv == 0) || !(links & LUCARIUM_ATLAS_LINK(du, dv))) continue;
       const uint other =
           atlas_side(atlas_info, atlas_table[home + dv * pitch + du], atlas_side_is_front(atlas_info, side));
-      if (other != LUCARIUM_NONE && half_has_point(levels[other], half_covered)) sum += light_samples[begin + other];
+      if (other != LUCARIUM_NONE && levels[other] != 0u && half_has_point(levels[other], half_covered))
+        sum += light_samples[begin + other];
     }
-    light_samples[begin + side] = sum.w > 0.0f ? sum : light_samples[sides - begin + side];
+    const float4 none = half_covered ? (float4)(0.0f, 0.0f, 0.0f, 1.0f) : light_samples[sides + side];
+    light_samples[begin + side] = sum.w > 0.0f ? sum : none;
   }
 }
