@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Chromium through its driver (WebDriver over HTTP), for the tests of pages."""
+import atexit
 import base64
 import json
 import subprocess
@@ -17,6 +18,7 @@ class Browser:
     def __init__(self, browser, driver, folder):
         self.driver = subprocess.Popen([driver, '--port=0'], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                                        text=True)
+        atexit.register(self.driver.kill)  # also where no session begins
         port = None
         for line in self.driver.stdout:  # "ChromeDriver was started successfully on port N."
             if 'started successfully on port' in line:

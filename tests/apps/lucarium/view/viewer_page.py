@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A viewer and its page in a browser, for view_browser.py and scene_browser.py."""
+import atexit
 import pathlib
 import signal
 import struct
@@ -70,6 +71,7 @@ class Viewer:
                                                'path_tracing:estimator=bsdf')):
         self.program, self.folder = program, folder
         self.process = subprocess.Popen([program, 'view', *words], stdout=subprocess.PIPE, text=True)
+        atexit.register(self.process.kill)  # also where no browser starts
         self.address = self.process.stdout.readline().strip()
 
     def render(self, name, *words):
