@@ -21,6 +21,20 @@ kernel void pixel_points(const uint block, const uint index, const uint replicat
   points[i] = sampler_block(&sampler, block);
 }
 
+// The same film positions of eight pixels at once, and of each alone.
+kernel void film_points(const uint index, const uint first, global float2* together, global float2* alone) {
+  float8 x, y;
+  sample_films(sampler_seeds(first, 0u, 9u), index, &x, &y);
+  float xs[8], ys[8];
+  vstore8(x, 0, xs);
+  vstore8(y, 0, ys);
+  for (uint k = 0u; k < 8u; ++k) {
+    const Sampler sampler = make_sampler(first + k, 0u, 9u, index, LUCARIUM_SAMPLER_SOBOL);
+    together[k] = (float2)(xs[k], ys[k]);
+    alone[k] = sample_camera_dimensions(&sampler).film;
+  }
+}
+
 // How a path's decisions are cut out of the blocks, and how a sampler gets its seed.
 kernel void path_dimensions(const uint vertex, global float4* points, global uint* seeds) {
   const Sampler sampler = make_sampler(3u, 1u, 7u, 11u, LUCARIUM_SAMPLER_SOBOL);

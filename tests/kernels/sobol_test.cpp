@@ -212,6 +212,20 @@ TEST_CASE("a path's decisions come from their own blocks") {
   }
 }
 
+TEST_CASE("film positions of eight pixels at once are those of each alone") {
+  const auto together = test::test_buffer<float2>(8), alone = test::test_buffer<float2>(8);
+  for (const uint index : {0u, 1u, 77u, 65535u, 65536u, 0x12345678u, 0xffffffffu})
+    for (const uint first : {0u, 8u, 123456u}) {
+      test::run_kernel(sobol_program(), "film_points", 1, 1, [&](PassBuilder& pass) {
+        pass.arg("index", index).arg("first", first).arg("together", together).arg("alone", alone);
+      });
+      const auto got = together.download(), expected = alone.download();
+      CAPTURE(index);
+      CAPTURE(first);
+      for (int k = 0; k < 8; ++k) CHECK((got[k].x == expected[k].x && got[k].y == expected[k].y));
+    }
+}
+
 TEST_CASE("Halton points are radical inverses; scrambled ones keep the strata") {
   const int primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
   for (uint d = 0; d < 16; ++d) {

@@ -32,4 +32,7 @@ uint pad1;
 uint pad2;
 LUCARIUM_STRUCT_END(Frame, 128)
 
+// How many rays a work-item of generate_camera_rays makes.
+#define LUCARIUM_CAMERA_RAYS_EACH 8u
+
 #endif

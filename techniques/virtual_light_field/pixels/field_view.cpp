@@ -127,6 +127,7 @@ void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atla
   ScheduleRecorder recorder = scheduler_->record("show field", technique_name);
   weight_ = recorder.variable("weight", 1.f);
   shows_ = recorder.variable("shows", 0u);
+  begins_ = recorder.variable("begins", 0u);
   PassBuilder pass = recorder.pass("show field", program, kernel);
   scene.bind(pass);
   bind_shown(pass, atlas);
@@ -136,7 +137,11 @@ void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atla
       .arg("direct_layer", sums_["direct"])
       .arg("indirect_layer", sums_["indirect"]);
   if (rays_)
-    pass.arg("rays", rays_->rays()).arg("hits", rays_->hits()).arg("shows", shows_).arg("emission", sums_["emission"]);
+    pass.arg("rays", rays_->rays())
+        .arg("hits", rays_->hits())
+        .arg("shows", shows_)
+        .arg("begins", begins_)
+        .arg("emission", sums_["emission"]);
   else
     pass.arg("points", eye_->points()).arg("rays", options_.traced ? 1u : 0u).arg("traced", traced_);
   show_ = recorder.compile();
@@ -144,11 +149,18 @@ void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atla
 
 bool FieldView::shows_field() const { return field_ && field_->shown_sweeps() > 0; }
 
+void FieldView::keep_scale() {
+  if (kept_scale_ == field_->scale()) return;
+  kept_scale_ = field_->scale();
+  scheduler_->finish();
+  scale_.upload({1 / kept_scale_});
+}
+
 bool FieldView::sample() {
   if (rays_) return rays_->trace(samples_);
   if (!eye_->see(samples_) || !eye_->sample(samples_)) return false;
   if (!chains_ || !shows_field()) return true;
-  scale_.upload({1 / field_->scale()});
+  keep_scale();
   ChainSettings settings{};
   settings.seed = stream_seed(frame_.seed, kStream, samples_);
   settings.first_light = options_.eye_kinds != 0 ? 2 : 1;  // else light samples have found the first
@@ -168,11 +180,13 @@ void FieldView::commit() {
   if (shows) {
     shown_sweeps_ = field_->shown_sweeps();
     ++field_samples_;
-    scheduler_->finish();
-    scale_.upload({1 / field_->scale()});
+    keep_scale();
     show_.set(weight_, 1.f / static_cast<float>(field_samples_));
   }
-  if (rays_) show_.set(shows_, shows ? 1u : 0u);
+  if (rays_) {
+    show_.set(shows_, shows ? 1u : 0u);
+    show_.set(begins_, sums_.take_forgotten() ? 1u : 0u);
+  }
   if (shows || rays_) scheduler_->run_to_end(show_);
   if (subfield_ && grown) subfield_->show();
 }
@@ -191,8 +205,10 @@ void FieldView::set_frame(const Frame& frame) {
   if (rays_) {
     rays_->set_frame(frame_);
     scheduler_->finish();
+    sums_.forget();
+  } else {
+    sums_.clear();
   }
-  sums_.clear();
   samples_ = field_samples_ = shown_sweeps_ = 0;
 }
 

@@ -57,6 +57,7 @@ class FieldView {
                    const SurfaceAtlas& atlas);
   void bind_lookups(PassBuilder& pass, const SurfaceAtlas& atlas) const;
   bool shows_field() const;
+  void keep_scale();  ///< on the device, too
 
   KernelScheduler* scheduler_;
   const LightField* field_;
@@ -70,10 +71,11 @@ class FieldView {
   std::unique_ptr<SpecularChains> chains_;  ///< null where no ray is sent
   std::unique_ptr<SubfieldView> subfield_;  ///< null where no line is shown
   Schedule begin_, show_;
-  Variable<uint32_t> shows_;
+  Variable<uint32_t> shows_, begins_;
   Variable<ChainSettings> settings_;
   Variable<float> weight_;
   TypedBuffer<float> scale_;  ///< one: 1 / LightField::scale()
+  float kept_scale_ = 0;      ///< of which it is; 0: of none
 };
 
 }  // namespace lucarium::vlf

@@ -5,8 +5,58 @@
 #include "lucarium/services/layer_sums/layer_sums.clh"
 #include "virtual_light_field/pixels/shown_field.clh"
 
+// Pixels of a row that a work-item takes, one after the other: on CPU devices, so that it keeps what neighbours share.
 #ifdef LUCARIUM_HAS_PREFETCH
-// What a later work-item's look-up needs of the atlas: the record of its triangle, and of one nearer by its cell.
+#define WALK_PIXELS 8u
+#else
+#define WALK_PIXELS 1u
+#endif
+
+// What the pixel before has shown.
+typedef struct SharedSide {
+  uint triangle;  // LUCARIUM_NONE: none
+  float3 normal;  // unit, on its front
+  uint front;     // LUCARIUM_SURFACE_FRONT or 0
+  uint same;      // all points of the side have the same material
+  float3 diffuse;
+  uint ideal;  // its specular lobe is
+} SharedSide;
+
+bool varies(const Scene* scene, uint material) {
+  const global Material* m = scene->scene_materials + material;
+  const uint textures =
+      m->base_color_texture.texture & m->metallic_roughness_texture.texture & m->transmission_texture.texture;
+  return textures != LUCARIUM_NONE || (m->flags & LUCARIUM_MATERIAL_VERTEX_COLOR);
+}
+
+// Diffuse albedo of the surface, and whether its specular lobe is ideal, as make_bsdf() has them.
+LUCARIUM_FLATTEN void find_lobes(const Scene* scene, const Surface* surface, SharedSide* shared) {
+  const uint front = surface->flags & LUCARIUM_SURFACE_FRONT;
+  const bool faces = dot(surface->n_s, surface->view) > 0.0f;
+  if (faces && shared->same && shared->front == front && shared->triangle == surface->triangle) return;
+  const Bsdf bsdf = make_bsdf(scene, surface, LUCARIUM_BSDF_UNSAMPLED);
+  shared->diffuse = bsdf.diffuse;
+  shared->ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION;
+  shared->front = front;
+  shared->same = faces && !varies(scene, surface->material);
+  shared->triangle = surface->triangle;
+  shared->normal = front ? surface->n_g : -surface->n_g;
+}
+
+// What add_shown() asks of a point with these lobes.
+void show_surface(const Surface* surface, const SharedSide* shared, Hit hit, GBufferPoint* point) {
+  point->position.xyz = surface->position;
+  point->normal.w = surface->flags & LUCARIUM_SURFACE_FRONT ? 0.0f : 1.0f;
+  point->view = (float4)(surface->view, shared->diffuse.x);
+  point->emission.w = shared->diffuse.y;
+  point->albedo.w = shared->diffuse.z;
+  point->u = hit.u;
+  point->v = hit.v;
+  point->triangle = hit.triangle;
+}
+
+#ifdef LUCARIUM_HAS_PREFETCH
+// What a later pixel's look-up needs of the atlas: the record of its triangle, and of one nearer by its cell.
 void prefetch_places(const ShownField* shown, __global const Hit* hits, uint i, uint count) {
   const uint far = i + 16u, near = i + 8u;
   if (far < count && hits[far].triangle != LUCARIUM_NO_HIT)
@@ -17,40 +67,55 @@ void prefetch_places(const ShownField* shown, __global const Hit* hits, uint i, 
   LUCARIUM_PREFETCH(shown->atlas_table + cell);
   LUCARIUM_PREFETCH(shown->atlas_links + cell);
 }
+// Nothing is asked for where pixels ahead show the same triangle.
+void prefetch_pixel(const Scene* scene, const ShownField* shown, __global const Hit* hits, uint i, uint count) {
+  const uint here = hits[i].triangle, far = i + 16u;
+  if (far < count && hits[i + 4u].triangle == here && hits[i + 8u].triangle == here && hits[far].triangle == here)
+    return;
+  prefetch_surfaces(scene, hits, i, count);
+  prefetch_places(shown, hits, i, count);
+}
 #else
-void prefetch_places(const ShownField* shown, __global const Hit* hits, uint i, uint count) {}
+void prefetch_pixel(const Scene* scene, const ShownField* shown, __global const Hit* hits, uint i, uint count) {}
 #endif
 
 // Adds to `emission` a sample, and to the other layers one that counts `weight` of the mean (show_field.cl), if
-// `shows`.
+// `shows`. begins: what the layers hold is of another picture.
 __kernel LUCARIUM_FLATTEN void walk_field(
     LUCARIUM_SCENE_PARAMETERS SHOWN_FIELD_PARAMETERS __global const Ray* restrict rays,
-    __global const Hit* restrict hits, uint count, uint shows, float weight, __global float4* restrict emission,
-    __global float4* restrict direct_layer, __global float4* restrict indirect_layer) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
+    __global const Hit* restrict hits, uint count, uint shows, uint begins, float weight,
+    __global float4* restrict emission, __global float4* restrict direct_layer,
+    __global float4* restrict indirect_layer) {
+  const uint first = get_global_id(0);
+  if (first % WALK_PIXELS != 0u) return;
   LUCARIUM_SCENE_BIND(scene);
   const ShownField field = SHOWN_FIELD_BIND;
-  prefetch_surfaces(&scene, hits, i, count);
-  prefetch_places(&field, hits, i, count);
-  const Hit hit = hits[i];
-  const float3 direction = rays[i].direction.xyz;
-  GBufferPoint point = begin_eye_path();
-  float3 once = (float3)(0.0f), more = once;
-  if (hit.triangle == LUCARIUM_NO_HIT) {
-    leave_scene(&scene, direction, &point);
-  } else {
-    const Surface surface = make_surface(&scene, hit, direction, 0u);
-    const uint medium = arrive_at_surface(&scene, &surface, hit, &point);
-    const Bsdf bsdf = make_bsdf(&scene, &surface, LUCARIUM_BSDF_UNSAMPLED);
-    keep_surface(&scene, &surface, &bsdf, hit, medium, 1.0f, &point);
-    if (shows) {
-      const FieldPlace place = find_place(&field, &point);
-      add_shown(&field, &place, &point, bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION, &once, &more);
+  const float4 none = (float4)(0.0f);
+  SharedSide shared;
+  shared.triangle = LUCARIUM_NONE;
+  for (uint i = first; i < min(first + WALK_PIXELS, count); ++i) {
+    prefetch_pixel(&scene, &field, hits, i, count);
+    const Hit hit = hits[i];
+    const float3 direction = rays[i].direction.xyz;
+    GBufferPoint point = begin_eye_path();
+    float3 once = (float3)(0.0f), more = once;
+    if (hit.triangle == LUCARIUM_NO_HIT) {
+      leave_scene(&scene, direction, &point);
+    } else {
+      const float3* normal = shared.triangle == hit.triangle ? &shared.normal : 0;
+      const Surface surface = make_surface_of(&scene, hit, direction, 0u, normal);
+      arrive_at_surface(&scene, &surface, hit, &point);
+      if (shows) {
+        find_lobes(&scene, &surface, &shared);
+        show_surface(&surface, &shared, hit, &point);
+        const FieldPlace place = find_place(&field, &point);
+        add_shown(&field, &place, &point, shared.ideal, &once, &more);
+      }
     }
+    emission[i] = add_sample(begins ? none : emission[i], point.emission.xyz);
+    if (!shows && !begins) continue;
+    const float4 direct_before = begins ? none : direct_layer[i], indirect_before = begins ? none : indirect_layer[i];
+    direct_layer[i] = shows ? mix_sample(direct_before, once, weight) : none;
+    indirect_layer[i] = shows ? mix_sample(indirect_before, more, weight) : none;
   }
-  emission[i] = add_sample(emission[i], point.emission.xyz);
-  if (!shows) return;
-  direct_layer[i] = mix_sample(direct_layer[i], once, weight);
-  indirect_layer[i] = mix_sample(indirect_layer[i], more, weight);
 }

@@ -37,6 +37,8 @@ class Bars {
 void measure_sweeps(Bars& bars, const Sizes& sizes);
 /// Frames of walks, what they look up, loaded fields, bytes of cells.
 void measure_frames(Bars& bars, const Sizes& sizes);
+/// A frame of a walk beside paths and rays: the first of these.
+void measure_walk(Bars& bars, const Sizes& sizes);
 /// What the passes of frames of walks take.
 void measure_passes(const Sizes& sizes);
 /// Time to an error, beside path_tracing.

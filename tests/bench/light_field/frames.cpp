@@ -21,34 +21,6 @@ namespace {
 
 constexpr uint32_t kPicturesEach = 8;  // of a contestant and round, so that a round takes long enough to be measured
 
-/// A frame beside a path-traced one, and beside the camera's rays.
-void measure_walk(Bars& bars, const Sizes& sizes) {
-  const Scene scene = load_scene("builtin:cornell-mirror");
-  const auto field = settled(scene, sizes, walkthrough(sizes));
-  const auto paths = make_session("path_tracing", scene, sizes.width);
-  KernelScheduler scheduler(test::test_device());
-  const SceneBuffers buffers(*test::test_device(), scene);
-  const Bvh bvh(*test::test_device(), scene, buffers, BvhTraversal::wide);
-  const RaySubject subject(*test::test_device(), scheduler, scene, sizes.width, sizes.width, false);
-  TracedBatch rays(*test::test_device(), scheduler, bvh, subject.primary, false);
-  uint32_t frame_of_field = 0, frame_of_paths = 0;
-  const auto each = [](auto run) {
-    return [run] {
-      for (uint32_t i = 0; i < kPicturesEach; ++i) run();
-    };
-  };
-  std::vector<Contestant> all;
-  all.push_back({.name = "field", .run = each([&] { next_frame(*field, &frame_of_field); }), .cpus = 2});
-  all.push_back({.name = "paths", .run = each([&] { next_frame(*paths, &frame_of_paths); }), .cpus = 2});
-  all.push_back({.name = "rays", .run = each([&] { rays.run(); }), .cpus = 2});
-  run_rounds(all, 1);
-  for (Contestant& c : all) c.cpu.clear(), c.wall.clear();
-  run_rounds(all, sizes.rounds);
-  bars.note("walk frame, processor time", 1e3 * median(all[0].cpu) / kPicturesEach, "ms");
-  bars.add("walk frame over a path-traced frame of one sample", 0.4, 0.15, median_ratio(all[0].cpu, all[1].cpu), true);
-  bars.add("walk frame over its camera rays alone", 5, 2.5, median_ratio(all[0].cpu, all[2].cpu), true);
-}
-
 /// Device time of the pass that makes surfaces and looks up, in `frames` frames from one camera [s].
 double look_up_seconds(RenderSession& session, uint32_t frames) {
   session.scheduler().finish();
@@ -157,6 +129,33 @@ void measure_bytes(Bars& bars) {
 }
 
 }  // namespace
+
+void measure_walk(Bars& bars, const Sizes& sizes) {
+  const Scene scene = load_scene("builtin:cornell-mirror");
+  const auto field = settled(scene, sizes, walkthrough(sizes));
+  const auto paths = make_session("path_tracing", scene, sizes.width);
+  KernelScheduler scheduler(test::test_device());
+  const SceneBuffers buffers(*test::test_device(), scene);
+  const Bvh bvh(*test::test_device(), scene, buffers, BvhTraversal::wide);
+  const RaySubject subject(*test::test_device(), scheduler, scene, sizes.width, sizes.width, false);
+  TracedBatch rays(*test::test_device(), scheduler, bvh, subject.primary, false);
+  uint32_t frame_of_field = 0, frame_of_paths = 0;
+  const auto each = [](auto run) {
+    return [run] {
+      for (uint32_t i = 0; i < kPicturesEach; ++i) run();
+    };
+  };
+  std::vector<Contestant> all;
+  all.push_back({.name = "field", .run = each([&] { next_frame(*field, &frame_of_field); }), .cpus = 2});
+  all.push_back({.name = "paths", .run = each([&] { next_frame(*paths, &frame_of_paths); }), .cpus = 2});
+  all.push_back({.name = "rays", .run = each([&] { rays.run(); }), .cpus = 2});
+  run_rounds(all, 1);
+  for (Contestant& c : all) c.cpu.clear(), c.wall.clear();
+  run_rounds(all, sizes.rounds);
+  bars.note("walk frame, processor time", 1e3 * median(all[0].cpu) / kPicturesEach, "ms");
+  bars.add("walk frame over a path-traced frame of one sample", 0.4, 0.15, median_ratio(all[0].cpu, all[1].cpu), true);
+  bars.add("walk frame over its camera rays alone", 5, 2.5, median_ratio(all[0].cpu, all[2].cpu), true);
+}
 
 void measure_frames(Bars& bars, const Sizes& sizes) {
   measure_walk(bars, sizes);

@@ -16,8 +16,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> parts = {"sweeps", "frames", "errors"};
   std::string json;
   CLI::App app("The ratios that virtual_light_field is judged by, with floors and goals");
-  app.add_option("parts", parts, "what is measured (passes: device time of the passes of frames)")
-      ->check(CLI::IsMember({"sweeps", "frames", "errors", "passes"}));
+  app.add_option("parts", parts, "what is measured (walk: the first of frames; passes: device time of their passes)")
+      ->check(CLI::IsMember({"sweeps", "frames", "errors", "walk", "passes"}));
   app.add_option("--rounds", sizes.rounds, "measurements of each contestant")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
     const auto asked = [&](const char* part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
     if (asked("sweeps")) measure_sweeps(bars, sizes);
     if (asked("frames")) measure_frames(bars, sizes);
+    if (asked("walk")) measure_walk(bars, sizes);
     if (asked("passes")) measure_passes(sizes);
     if (asked("errors")) measure_errors(bars, sizes);
     if (!json.empty() && !(std::ofstream(json) << bars.json()))

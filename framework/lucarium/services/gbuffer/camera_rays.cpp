@@ -25,7 +25,7 @@ CameraRays::CameraRays(Device& device, KernelScheduler& scheduler, const Interse
   sample_ = recorder.variable("sample", 0u);
   const uint32_t count = frame.width * frame.height;
   recorder.pass("generate camera rays", program, "generate_camera_rays")
-      .global(count)
+      .global((count + LUCARIUM_CAMERA_RAYS_EACH - 1) / LUCARIUM_CAMERA_RAYS_EACH)
       .arg("frame", frame_variable_)
       .arg("sample_index", sample_)
       .arg("rays", rays_)

@@ -72,7 +72,7 @@ void GBuffer::State::record_start() {
   start_frame = recorder.variable("frame", frame);
   start_sample = recorder.variable("sample", 0u);
   recorder.pass("generate G-buffer rays", program, "generate_camera_rays")
-      .global(pixels)
+      .global((pixels + LUCARIUM_CAMERA_RAYS_EACH - 1) / LUCARIUM_CAMERA_RAYS_EACH)
       .arg("frame", start_frame)
       .arg("sample_index", start_sample)
       .arg("rays", rays)

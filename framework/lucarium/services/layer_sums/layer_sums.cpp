@@ -23,10 +23,12 @@ const TypedBuffer<float4>& LayerSums::operator[](std::string_view layer) const {
 
 void LayerSums::clear() {
   for (TypedBuffer<float4>& sums : sums_) sums.fill_zero();
+  forgotten_ = false;
 }
 
 void LayerSums::write(Film& film, bool additive) const {
-  for (size_t i = 0; i < names_.size(); ++i) add_mean(film, names_[i], sums_[i].download(), additive);
+  for (size_t i = 0; i < names_.size(); ++i)
+    add_mean(film, names_[i], forgotten_ ? std::vector<float4>(film.pixel_count()) : sums_[i].download(), additive);
 }
 
 void add_mean(Film& film, const std::string& name, const std::vector<float4>& sums, bool additive) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lucarium/compute/device/buffer.h"
@@ -24,6 +25,10 @@ class LayerSums {
   const TypedBuffer<float4>& operator[](std::string_view layer) const;
   /// Back to no samples. The device must have finished with them.
   void clear();
+  /// The same without touching memory: the next pass is to write all of it without reading.
+  void forget() { forgotten_ = true; }
+  /// For that pass: whether it is, once.
+  bool take_forgotten() { return std::exchange(forgotten_, false); }
   /// Adds every layer's mean to the film's additive layer of the same name; black where there is no sample. The device
   /// must have finished. Not `additive`: the layers show parts of others, and are none of the image.
   void write(Film& film, bool additive = true) const;
@@ -32,6 +37,7 @@ class LayerSums {
  private:
   std::vector<std::string> names_;
   std::vector<TypedBuffer<float4>> sums_;
+  bool forgotten_ = false;
 };
 
 /// Adds the means of sums to the film's layer `name`, as LayerSums::write().
