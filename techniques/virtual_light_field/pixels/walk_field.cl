@@ -23,7 +23,7 @@ typedef struct SharedSide {
 } SharedSide;
 
 bool varies(const Scene* scene, uint material) {
-  const global Material* m = scene->scene_materials + material;
+  const __global Material* m = scene->scene_materials + material;
   const uint textures =
       m->base_color_texture.texture & m->metallic_roughness_texture.texture & m->transmission_texture.texture;
   return textures != LUCARIUM_NONE || (m->flags & LUCARIUM_MATERIAL_VERTEX_COLOR);
@@ -93,6 +93,7 @@ __kernel LUCARIUM_FLATTEN void walk_field(
   const float4 none = (float4)(0.0f);
   SharedSide shared;
   shared.triangle = LUCARIUM_NONE;
+  shared.same = 0u;
   for (uint i = first; i < min(first + WALK_PIXELS, count); ++i) {
     prefetch_pixel(&scene, &field, hits, i, count);
     const Hit hit = hits[i];
