@@ -42,8 +42,11 @@ abuffer::VoxelAbufferOptions options_of(const std::string& mode, uint32_t size, 
 
 }  // namespace
 
-Structure make_structure(const std::string& mode, KernelScheduler& scheduler, const Scene& scene,
+Structure make_structure(const std::string& named, KernelScheduler& scheduler, const Scene& scene,
                          const SceneBuffers& buffers, uint32_t size, uint32_t grid) {
+  const size_t at = named.find('@');
+  const std::string mode = named.substr(0, at);
+  if (at != std::string::npos) grid = static_cast<uint32_t>(std::stoul(named.substr(at + 1)));
   if (mode == "grid") return wrap(std::make_unique<abuffer::TriangleGrid>(scheduler, buffers, size, grid));
   if (mode == "octree") return wrap(std::make_unique<abuffer::SparseOctree>(scheduler, buffers, size));
   if (mode == "voxel") return wrap(std::make_unique<abuffer::VoxelBits>(scheduler, buffers, size));

@@ -18,10 +18,10 @@ struct Structure {
 };
 
 inline constexpr const char* structure_modes =
-    "exact, auto, 2d, 3, 1 (the last three: parity), and to compare with: grid, octree, voxel";
+    "exact, auto, 2d, 3, 1 (the last three: parity), and to compare with: grid, octree, voxel; MODE@N: of N voxels";
 
-/// `size`: abuffer_size, `grid`: grid_size.
-Structure make_structure(const std::string& mode, KernelScheduler& scheduler, const Scene& scene,
+/// `size`: abuffer_size, `grid`: grid_size, where `named` names none.
+Structure make_structure(const std::string& named, KernelScheduler& scheduler, const Scene& scene,
                          const SceneBuffers& buffers, uint32_t size, uint32_t grid);
 
 }  // namespace lucarium::bench

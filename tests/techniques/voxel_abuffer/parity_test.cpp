@@ -98,6 +98,34 @@ TEST_CASE("hits of parity lie in their triangles, and face as the crossing does"
   CHECK(wrong_side <= hits / 1000);
 }
 
+TEST_CASE("searches at points along a ray find plates thinner than voxels") {
+  Soup plate = box({-1, -1, 0}, {1, 1, 0.012f});  // one and a half pixels thick; a voxel has eight
+  for (Vertex& v : plate.vertices) {
+    const glm::vec3 p = v.position.xyz();
+    v.position = float4(p.x, p.y, p.z + 0.1f * p.x + 0.07f * p.y, 0);
+  }
+  AbufferRig rig(scene_of(plate));
+  Random random(5);
+  std::vector<Ray> rays;
+  for (uint32_t i = 0; i < 5000; ++i) {
+    const glm::vec3 to(random.uniform(-0.8f, 0.8f), random.uniform(-0.8f, 0.8f), 0);
+    const glm::vec3 from(to.x + random.uniform(-0.5f, 0.5f), to.y + random.uniform(-0.5f, 0.5f), 1);
+    rays.push_back(make_ray(from, glm::normalize(to - from)));
+  }
+  for (const Search search : {Search::three_steps, Search::one_step}) {
+    CAPTURE(static_cast<int>(search));
+    const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .intersect = Intersect::automatic, .search = search});
+    const AbufferRig::Results found = rig.trace(structure, rays);
+    uint32_t missed = 0, unoccluded = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      missed += found.hits[i].triangle == LUCARIUM_NO_HIT;
+      unoccluded += found.occluded[i] == 0;
+    }
+    CHECK(missed <= rays.size() / 500);
+    CHECK(unoccluded <= rays.size() / 500);
+  }
+}
+
 TEST_CASE("hits on a thin plate are on the side that faces the ray") {
   Soup plate = box({-1, -1, 0}, {1, 1, 0.0025f});  // a pixel and a half thick
   for (Vertex& v : plate.vertices) {
