@@ -106,6 +106,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     if (!parts_) return {};
     std::map<std::string, double> all = parts_->counters();
     for (const auto& [name, count] : counted_before_) all[name] += count;
+    if (guide_) all["guide_photons"] = guide_->collected();
     if (!adapted_) return all;
     const Plan plan = make_plan(parameters_, settings(), effort_);
     all["adapted_light_paths"] = plan.light_vertices > 0 ? 1 : 0;
@@ -122,12 +123,16 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     parts_.reset();  // its memory first
     sums_.reset();
     check_parameters(parameters_, settings());
+    guide_.reset();
     sums_ = std::make_unique<EyeSums>(device(), make_plan(parameters_, settings()), kName);
+    if (make_plan(parameters_, settings()).guide && may_be_ideal(scene()))
+      guide_ = std::make_unique<GuidePhotons>(device(), scheduler(), scene_buffers(), kName);
     make_parts(whole_effort(parameters_));
   }
 
   bool follow(const SceneChange&) override {
     if (!built() || !parts_ || buffers_replaced() || !parts_->update()) return false;
+    if (make_plan(parameters_, settings()).guide && may_be_ideal(scene()) != (guide_ != nullptr)) return false;
     moves_on_ = true;
     restart_samples();
     return true;
@@ -142,6 +147,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     if (can_adapt(parameters_, make_plan(parameters_, settings())))
       adapts_after_ = Trials::samples_before(parameters_, settings());
     if (!parts_ || effort_ != whole_effort(parameters_)) make_parts(whole_effort(parameters_));
+    if (guide_) guide_->clear();
     parts_->restart(frame(), moves_on_);
     moves_on_ = false;
   }
@@ -149,8 +155,10 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   bool step() override {
     if (!parts_) make_parts(effort_);  // the last attempt failed
     if (samples() >= adapts_after_ && !adapted_ && !adapt(samples() - adapts_after_)) return false;
+    if (samples() == 0 && !parts_->prepare_guide()) return false;
     if (!parts_->trace(static_cast<uint32_t>(samples()))) return false;
     parts_->add(samples() + 1);
+    parts_->teach();
     return true;
   }
 
@@ -169,7 +177,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   }
 
  private:
-  PartsContext parts_context() { return {device(), scheduler(), scene_buffers(), bvh(), kName}; }
+  PartsContext parts_context() { return {device(), scheduler(), scene_buffers(), bvh(), guide_.get(), kName}; }
 
   std::unique_ptr<Trials> make_trials() {
     return std::make_unique<Trials>(parts_context(), parameters_, settings(), frame(), kept_);
@@ -206,6 +214,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   }
 
   std::unique_ptr<EyeSums> sums_;
+  std::unique_ptr<GuidePhotons> guide_;  ///< kept when adapt changes parts
   std::unique_ptr<Parts> parts_;
   KeptParts kept_;
   std::unique_ptr<Trials> trials_;  ///< while they go on

@@ -74,6 +74,13 @@ double admitted_bias(const BidirectionalParameters& parameters, double declared)
   return bias;
 }
 
+bool may_be_ideal(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
+    // Light samples and virtual lights find what rough glass passes on; a texture may lower the roughness.
+    return material.roughness < LUCARIUM_MIRROR_ROUGHNESS || material.metallic_roughness_texture.texture >= 0;
+  });
+}
+
 PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings) {
   PathSet set;
   set.max_bounces = settings.max_bounces;
@@ -164,10 +171,7 @@ void list_idle_parameters(const Plan& plan, const BidirectionalParameters& param
 std::vector<std::string> limitations(const BidirectionalParameters& parameters, const Scene& scene,
                                      const RenderSettings& settings) {
   std::vector<std::string> list;
-  const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
-    // Light samples and virtual lights find what rough glass passes on; a texture may lower the roughness.
-    return material.roughness < LUCARIUM_MIRROR_ROUGHNESS || material.metallic_roughness_texture.texture >= 0;
-  });
+  const bool ideal = may_be_ideal(scene);
   if (ideal && !scene.lights.empty())
     list.push_back("point, spot and directional light that reaches a surface through a mirror or glass is left out");
   const Plan plan = make_plan(parameters, settings);

@@ -16,6 +16,9 @@ double admitted_bias(const BidirectionalParameters& parameters, double declared)
 
 PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings);
 
+/// Whether a surface of the scene may reflect or refract ideally.
+bool may_be_ideal(const Scene& scene);
+
 /// Light of the scene that is left out, and parameters that have no effect, one line each.
 std::vector<std::string> limitations(const BidirectionalParameters& parameters, const Scene& scene,
                                      const RenderSettings& settings);

@@ -26,7 +26,8 @@ float2 mis;          // what path_mis.clh carries along the ray
 float start_cosine;  // of the ray to the geometric normal where it begins; 1 where there is none
 uint light;          // where the path began, into scene_lights
 uint medium;         // that the ray runs through (medium.clh)
-uint pad0, pad1, pad2;
+uint diffused;       // scatterings so far that were not ideal
+uint pad0, pad1;
 LUCARIUM_STRUCT_END(LightPathState, 48)
 
 // A point from which the light of one path is reflected diffusely, or at which it arrives (a photon).

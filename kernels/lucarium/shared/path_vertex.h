@@ -7,7 +7,8 @@
 // flags: bits of Bsdf::flags (0 to 7), PATH_VERTEX_*, and from bit 16 the number of the vertex on its path, from 1; a
 // number of 0 means that there is none.
 #define PATH_VERTEX_BSDF_FLAGS 0xffu
-#define PATH_VERTEX_FRONT 0x100u  // the light comes from the front of the triangle
+#define PATH_VERTEX_FRONT 0x100u    // the light comes from the front of the triangle
+#define PATH_VERTEX_CAUSTIC 0x200u  // the light has come here by ideal surfaces alone, one or more
 #define PATH_VERTEX_NUMBER_SHIFT 16u
 
 // With its BSDF, made with the direction of the light as view (bsdf.clh): textures are not looked up again.

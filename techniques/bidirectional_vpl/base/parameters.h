@@ -37,7 +37,7 @@ struct BidirectionalParameters {
   TwoBounce two_bounce = TwoBounce::mis;
   float g_max = 1, m_prime = 16;
   Gloss gloss = Gloss::none;
-  bool splat = true, show_strategies = false;
+  bool splat = true, guide = true, show_strategies = false;
   int interleave = 1;
   bool caches = false, filter = false, adapt = true;
   Strategy strategy = Strategy::all;
@@ -73,6 +73,9 @@ struct BidirectionalParameters {
         "what finds whether a light sample is hidden: rays (mis), or filtered shadow maps of point and spot lights "
         "(maps, biased by texels)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
+    v.flag("guide", guide,
+           "behind mirrors and glass let camera paths go where light paths have come from through others, to find "
+           "what these show of caustics");
     v.number("camera_edges", camera_edges, 1, kMaxCameraEdges, "scatterings",
              "scatterings of a camera path before roulette, which then ends half of the paths at each one");
     v.choice("directions", directions,
@@ -129,7 +132,12 @@ struct BidirectionalParameters {
              "strategies that are run: all, or one alone, which finds only a part of the paths");
     v.flag("show_strategies", show_strategies, "write a layer of each strategy's light");
     v.presets(
-        {{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}, {"adapt", "off"}}},
+        {{"bdpt",
+          {{"vpl_choice", "own"},
+           {"light_vertices", "16"},
+           {"camera_edges", "64"},
+           {"guide", "off"},
+           {"adapt", "off"}}},
          {"paper",
           {{"light_vertices", "1"},
            {"light_trace", "rsm"},

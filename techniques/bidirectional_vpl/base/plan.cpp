@@ -81,6 +81,7 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.vpl_maps = parameters.vpl_visibility == VplVisibility::map && plan.vpl;
   plan.direct_maps = parameters.direct == Direct::maps && plan.lights;
   plan.map_res = static_cast<uint32_t>(parameters.map_res);
+  plan.guide = parameters.guide && all && plan.light_vertices >= 2 && !plan.bundles && plan.gloss == Gloss::none;
   if (plan.light_vertices > 0) {
     const bool few = plan.choice == VplChoice::all || plan.choice == VplChoice::pair;
     const uint32_t automatic = few ? s.bundles : std::max(s.pixels / kPixelsPerLightPath, 1u);
@@ -129,6 +130,7 @@ std::map<std::string, std::string> eye_defines(const Plan& plan) {
   std::map<std::string, std::string> defines = plan_defines(plan);
   defines["LIGHT_VERTICES"] = std::to_string(plan.light_vertices);
   if (plan.two_bounce != TwoBounce::mis) defines["TWO_BOUNCE"] = "1";
+  if (plan.guide) defines["EYE_GUIDE"] = "1";
   if (plan.settings.interleave > 1) defines["EYE_INTERLEAVED"] = "1";
   if (plan.caches) defines["EYE_CACHES"] = "1";
   if (plan.direct_maps) defines["EYE_LIGHT_MAPS"] = "1";

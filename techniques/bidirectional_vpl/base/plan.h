@@ -30,6 +30,7 @@ struct Plan {
   uint32_t map_res = 0;                                     ///< root of the texels of a VPL's map
   bool vpl = false;                                         ///< camera paths are connected to light vertices
   bool splat = false;                                       ///< light vertices are connected to the camera
+  bool guide = false;                                       ///< light paths guide camera paths (guide/)
   bool lights = false;                                      ///< light samples are taken
   bool shows_strategies = false;
 

@@ -16,8 +16,9 @@ namespace {
 // path 45.
 constexpr double kVertex = 4.5, kConnection = 3.5, kCandidate = 0.09, kLightPathVertex = 6.3, kSplat = 5.1, kPath = 1.4;
 
-constexpr int kBlur = 2;            // pixels to each side
-constexpr double kSignificant = 4;  // standard errors; a trial has few samples to estimate them from
+constexpr int kBlur = 2;                     // pixels to each side
+constexpr uint32_t kBlocks[] = {8, 16, 32};  // pixels along blocks in which light may be missing
+constexpr double kSignificant = 4;           // standard errors; a trial has few samples to estimate them from
 
 double count_of(const std::map<std::string, double>& counters, const char* name) {
   const auto found = counters.find(name);
@@ -32,15 +33,23 @@ struct Estimate {
   double mean = 0, squared_error = 0;
 };
 
-/// The light of all pixels, as weights see it, of a sample.
-Estimate weighted_light(const TrialImage& image, const PixelWeights& weights) {
+/// Pixels from (x0, y0) to before (x1, y1).
+struct Block {
+  uint32_t x0, y0, x1, y1;
+};
+
+/// The light of a block's pixels, as weights see it, of a sample.
+Estimate weighted_light(const TrialImage& image, const PixelWeights& weights, const Block& block) {
   std::vector<double> totals;
   double before = 0;
   for (const std::vector<float4>& sums : image.sums) {
     double after = 0;
-    for (size_t i = 0; i < sums.size(); ++i) {
-      const auto light = channels(sums[i]);
-      for (size_t c = 0; c < 3; ++c) after += std::sqrt(weights[i][c]) * light[c];
+    for (uint32_t y = block.y0; y < block.y1; ++y) {
+      for (uint32_t x = block.x0; x < block.x1; ++x) {
+        const size_t i = size_t{y} * image.width + x;
+        const auto light = channels(sums[i]);
+        for (size_t c = 0; c < 3; ++c) after += std::sqrt(weights[i][c]) * light[c];
+      }
     }
     totals.push_back(after - before);
     before = after;
@@ -51,6 +60,15 @@ Estimate weighted_light(const TrialImage& image, const PixelWeights& weights) {
   for (const double total : totals)
     result.squared_error += (total - result.mean) * (total - result.mean) / (n * (n - 1));
   return result;
+}
+
+/// The square of the light that a block lacks in all samples, beyond chance.
+double squared_lack(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights,
+                    const Block& block) {
+  const Estimate found = weighted_light(trial, weights, block), expected = weighted_light(reference, weights, block);
+  const double chance = kSignificant * std::sqrt(found.squared_error + expected.squared_error);
+  const double missing = std::max(expected.mean - found.mean - chance, 0.0) * trial.samples();
+  return missing * missing;
 }
 
 }  // namespace
@@ -109,10 +127,16 @@ double relative_variance(const TrialImage& trial, const PixelWeights& weights) {
 }
 
 double hidden_variance(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights) {
-  const Estimate found = weighted_light(trial, weights), expected = weighted_light(reference, weights);
-  const double chance = kSignificant * std::sqrt(found.squared_error + expected.squared_error);
-  const double missing = std::max(expected.mean - found.mean - chance, 0.0) * trial.samples();
-  return missing * missing / (trial.samples() * 3 * static_cast<double>(weights.size()));
+  double most = squared_lack(trial, reference, weights, {0, 0, trial.width, trial.height});
+  for (const uint32_t side : kBlocks) {
+    double lack = 0;
+    for (uint32_t y = 0; y < trial.height; y += side)
+      for (uint32_t x = 0; x < trial.width; x += side)
+        lack += squared_lack(trial, reference, weights,
+                             {x, y, std::min(x + side, trial.width), std::min(y + side, trial.height)});
+    most = std::max(most, lack);
+  }
+  return most / (trial.samples() * 3 * static_cast<double>(weights.size()));
 }
 
 }  // namespace lucarium::bidirectional

@@ -36,7 +36,8 @@ size_t lit_pixels(const TrialImage& image);
 double relative_variance(const TrialImage& trial, const PixelWeights& weights);
 
 /// Variance that a trial has not shown: where it is darker than the reference by more than chance, it has missed light
-/// that it finds too rarely. All of it would have come in about one sample of one pixel.
+/// that it finds too rarely. All of it would have come in about one sample of one pixel. Looked for in the whole image
+/// and in blocks of several sizes, in which a caustic stands out: the largest of all.
 double hidden_variance(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights);
 
 }  // namespace lucarium::bidirectional

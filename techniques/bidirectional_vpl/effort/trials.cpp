@@ -133,7 +133,8 @@ std::optional<Effort> Trials::decide(Effort* missing) const {
   Effort effort = best;
   effort.splats = false;
   if (whole.splat && splats > 1 - kClearly && !consider(effort)) return std::nullopt;
-  if (!consider(camera_effort(parameters_))) return std::nullopt;
+  const bool needs_light_paths = context_.guide && context_.guide->needs_light_paths();
+  if (!needs_light_paths && !consider(camera_effort(parameters_))) return std::nullopt;
   if (!best.light_paths) return best;
 
   // Lengths of light paths, and of camera paths before roulette.

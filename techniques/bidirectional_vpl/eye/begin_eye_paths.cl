@@ -34,7 +34,8 @@ __kernel void begin_eye_paths(Frame frame, const BidirectionalSettings settings,
   state.carried = path_mis_power(settings.splat_samples);
   state.bundle = state.left = LUCARIUM_NONE;
   state.rest = 1.0f;
-  state.pad0 = state.pad1 = state.pad2 = 0u;
+  state.gain = 1.0f;
+  state.pad0 = state.pad1 = 0u;
   states[pixel] = state;
   for (uint m = 0u; m < LIGHT_VERTICES; ++m) eye_mis[m * settings.pixels + pixel] = 0.0f;
 }

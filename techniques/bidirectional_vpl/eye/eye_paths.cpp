@@ -33,7 +33,7 @@ void EyeSums::clear() {
 
 EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                    const Intersector& intersector, const Frame& frame, const Plan& plan, const LightVertices* vertices,
-                   EyeSums& sums, const Maps& maps, const std::string& owner)
+                   EyeSums& sums, const Maps& maps, const GuidePhotons* guide, const std::string& owner)
     : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),
@@ -41,6 +41,7 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       plan_(plan),
       vertices_(vertices),
       maps_(maps),
+      guide_(guide),
       owner_(owner),
       primitives_(device),
       program_(make_program(device, bidirectional_vpl_kernels(),

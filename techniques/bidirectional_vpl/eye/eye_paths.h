@@ -9,6 +9,7 @@
 #include "bidirectional_vpl/bundles/bundle_edges.h"
 #include "bidirectional_vpl/eye/caches.h"
 #include "bidirectional_vpl/eye/pixel_filter.h"
+#include "bidirectional_vpl/guide/guide_photons.h"
 #include "bidirectional_vpl/light/light_vertices.h"
 #include "bidirectional_vpl/maps/maps.h"
 #include "lucarium/services/layer_sums/layer_sums.h"
@@ -36,11 +37,11 @@ struct EyeSums {
 ///   add       add_layer             sample -> sums, to its end
 class EyePaths {
  public:
-  /// `vertices`: null where there are no light paths. `maps` and `sums`, which belong to the same image, must outlive
-  /// this.
+  /// `vertices`: null where there are no light paths; `guide`: null without Plan::guide. `maps`, `guide` and `sums`,
+  /// which belong to the same image, must outlive this.
   EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
            const Frame& frame, const Plan& plan, const LightVertices* vertices, EyeSums& sums, const Maps& maps,
-           const std::string& owner);
+           const GuidePhotons* guide, const std::string& owner);
 
   /// Empties the sample of an iteration. False when cancelled.
   bool begin(uint32_t index);
@@ -103,6 +104,7 @@ class EyePaths {
   Plan plan_;
   const LightVertices* vertices_;
   const Maps& maps_;
+  const GuidePhotons* guide_;
   std::string owner_;
   Primitives primitives_;
   Program program_;

@@ -196,6 +196,8 @@ void EyePaths::record_shade(ScheduleRecorder& recorder, const BufferRef& hits, c
       .arg("connections", connections.values)
       .arg("connection_paths", connections.sources);
   if (plan_.direct_maps) shade.arg("light_numbers", samples.sources);
+  if (plan_.guide)
+    shade.arg("guide_photons", guide_->photons()).arg("guide_keys", guide_->keys()).arg("guide_count", guide_->count());
 }
 
 void EyePaths::record_advance(ScheduleRecorder& recorder, const NextRays& next) {

@@ -5,9 +5,20 @@
 #include "bidirectional_vpl/bundles/bundle_set.clh"
 #include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/eye/find_lights.clh"
+#include "bidirectional_vpl/guide/guide.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
+
+#ifdef EYE_GUIDE
+#define GUIDE_PARAMETERS                                                                        \
+  __global const GuidePhoton *restrict guide_photons, __global const uint *restrict guide_keys, \
+      __global const uint *restrict guide_count,
+#define GUIDE_ARGUMENTS guide_photons, guide_keys, guide_count,
+#else
+#define GUIDE_PARAMETERS
+#define GUIDE_ARGUMENTS
+#endif
 
 #define TURN_STREAM 0x7475726eu  // apart from the numbers of the path itself
 
@@ -36,15 +47,16 @@ bool count_scattering(BidirectionalSettings settings, EyeWalk* walk, bool delta)
 }
 
 // Ends paths at random: behind camera_edges half of those that scatter, and by what they may still bring (Arvo and Kirk
-// 1990). False: the path ends here.
+// 1990), as if no guide had made them more likely. False: the path ends here.
 bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, bool delta, float u) {
   const bool chain = walk->state.flags & EYE_PATH_CHAIN;
+  const float importance =
+      max_component(walk->state.throughput.xyz) * walk->state.gain * medium_squared_ior(scene, walk->state.medium);
   float survival = 1.0f;
   if (!chain && walk->state.scatterings >= settings.camera_edges) {
-    const float importance = max_component(walk->state.throughput.xyz) * medium_squared_ior(scene, walk->state.medium);
     survival = fmin(1.0f, importance) * (delta ? 1.0f : 0.5f);
   } else if (chain && walk->state.segment >= LUCARIUM_PATH_EYE_ROULETTE_START) {
-    survival = fmin(1.0f, max_component(walk->state.throughput.xyz) * medium_squared_ior(scene, walk->state.medium));
+    survival = fmin(1.0f, importance);
   }
   if (u >= survival) return false;
   walk->state.throughput.xyz /= survival;
@@ -54,7 +66,7 @@ bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk,
 // The next direction of the path (equation 1; behind a widened lobe, equation 14). False when the path ends here.
 bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, const Surface* surface,
                       const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe,
-                      GLOSS_FIRST_PARAMETER(first_vertices) Ray* ray, RayEnds* ends) {
+                      GLOSS_FIRST_PARAMETER(first_vertices) GUIDE_PARAMETERS Ray* ray, RayEnds* ends) {
   const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
   const uint number = bundle_number(settings, seed, sampler->index, walk->path, walk->state.segment);
   const Sampler bundle = bundle_set(settings, seed, sampler->index, walk->state.segment, number);
@@ -63,6 +75,17 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
   bool along_bundle;
   BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle, first,
                                            takes_turn(seed, sampler->index, walk->path), &along_bundle);
+  float gain = 1.0f;
+#ifdef EYE_GUIDE
+  // Behind ideal surfaces other than the camera's own rays: what other strategies find needs no guide.
+  if ((walk->state.flags & EYE_PATH_AFTER_DELTA) && walk->state.segment > 0u && bsdf_has_smooth_lobe(bsdf)) {
+    const Guide guide = find_guide(scene, guide_photons, guide_keys, guide_count[0], surface->position, bsdf);
+    if (guides(&guide)) {
+      const float4 v = random_float4(sampler->seed ^ GUIDE_STREAM, sampler->index, walk->state.segment);
+      sample = guided_direction(&guide, bsdf, sample, v, &gain);
+    }
+  }
+#endif
   if (is_black(sample.weight)) return false;
 #ifdef GLOSS_SUPPRESSES
   if (!sample.delta)
@@ -80,6 +103,7 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
   else
     leave_eye_mis(walk, mis, settings.connection_samples, pdf_bsdf(&turned, surface->view));
   walk->state.throughput = (float4)(walk->state.throughput.xyz * sample.weight, sample.pdf);
+  walk->state.gain = sample.delta ? walk->state.gain * gain : gain;
   walk->state.cosine = fabs(dot(surface->n_g, sample.direction));
   if (!is_contribution(walk->state.throughput.xyz)) {
     walk->state.flags |= EYE_PATH_BAD;
@@ -110,7 +134,8 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
     LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings, uint sample_index,
     __global const PathVertex* restrict vertices,
-    GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices) __global const uint* restrict vertex_list,
+    GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices)
+        GUIDE_PARAMETERS __global const uint* restrict vertex_list,
     __global const uint* restrict vertex_count, __global const float* restrict candidate_table, uint table_capacity,
     __global const float* restrict shares, __global const Ray* restrict rays, __global const Hit* restrict hits,
     __global const uint* restrict queue, __global const uint* restrict active, __global EyePathState* restrict states,
@@ -261,7 +286,7 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
   Ray next = inactive_ray();
   RayEnds ends = no_ray_ends();
   goes_on = sample_direction(&scene, rules, &walk, &surface, &bsdf, &mis, &sampler, seed, u.lobe,
-                             GLOSS_ARGUMENT(first_vertices) & next, &ends);
+                             GLOSS_ARGUMENT(first_vertices) GUIDE_ARGUMENTS & next, &ends);
   alive[i] = goes_on;
   next_rays[i] = next;
   LUCARIUM_STORE_RAY_ENDS(next_ends, i, ends);

@@ -7,7 +7,24 @@
 
 namespace lucarium::bidirectional {
 
-Parts::Parts(const PartsContext& c, const Plan& plan, const Frame& frame, EyeSums& sums) : plan_(plan), frame_(frame) {
+namespace {
+
+// Light paths before the first sample, whose numbers are apart from all samples': until there are so many photons, in
+// so many rounds at most, or until some rounds have found next to nothing.
+constexpr uint32_t kGuideRun = 1u << 31, kGuidePhotons = 4096, kGuideRounds = 16, kGuideLook = 1;
+
+/// Without a guide where there is none.
+Plan plan_with(const GuidePhotons* guide, const Plan& plan) {
+  Plan possible = plan;
+  possible.guide = plan.guide && guide;
+  return possible;
+}
+
+}  // namespace
+
+Parts::Parts(const PartsContext& c, const Plan& wanted, const Frame& frame, EyeSums& sums)
+    : plan_(plan_with(c.guide, wanted)), frame_(frame), guide_(plan_.guide ? c.guide : nullptr) {
+  const Plan& plan = plan_;
   maps_ = std::make_unique<Maps>(c.device, c.scheduler, c.scene, plan, c.owner);
   if (plan.light_vertices > 0) {
     LightPaths::FirstHits first_hits;  // of light paths, with light_trace=rsm
@@ -22,7 +39,8 @@ Parts::Parts(const PartsContext& c, const Plan& plan, const Frame& frame, EyeSum
     maps_->add_vpl_maps(c.device, plan, *vertices_);
   }
   eye_ = std::make_unique<EyePaths>(c.device, c.scheduler, c.scene, c.intersector, frame, plan, vertices_.get(), sums,
-                                    *maps_, c.owner);
+                                    *maps_, guide_, c.owner);
+  if (guide_) collect_ = guide_->record_collect(*vertices_, plan);
   if (vertices_) vertices_->record(eye_->sample(), eye_->states());
 }
 
@@ -32,6 +50,19 @@ bool Parts::trace(uint32_t index) {
   if (vertices_ && !vertices_->trace(index)) return false;
   if (!maps_->fill_vpls(frame_.seed, index)) return false;
   return eye_->trace(index);
+}
+
+bool Parts::prepare_guide() {
+  if (!guide_) return true;
+  for (uint32_t round = 0; round < kGuideRounds && guide_->collected() < kGuidePhotons; ++round) {
+    if (!maps_->fill_lights(frame_.seed, kGuideRun + round) || !vertices_->trace(kGuideRun + round)) {
+      guide_->clear();
+      return false;
+    }
+    guide_->collect(collect_, plan_.settings.light_paths);
+    if (round >= kGuideLook && guide_->collected() < BIDIRECTIONAL_GUIDE_WINDOW) break;
+  }
+  return true;
 }
 
 void Parts::add(uint64_t iterations) {
@@ -53,6 +84,7 @@ void Parts::restart(const Frame& frame, bool moves_on) {
 
 void Parts::warm_up() {
   if (vertices_) vertices_->warm_up();
+  if (guide_) guide_->warm_up(collect_);
   eye_->warm_up();
   maps_->warm_up();
 }
@@ -75,6 +107,7 @@ InspectedValues Parts::inspect(const SeenPoint& point) const {
 
 size_t Parts::estimate_bytes(const Plan& plan, const Scene& scene) {
   return EyePaths::estimate_bytes(plan, scene, false) + Maps::estimate_bytes(plan, scene) +
+         GuidePhotons::estimate_bytes(plan) +
          (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, false) : 0);
 }
 

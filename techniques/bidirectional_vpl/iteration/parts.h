@@ -6,6 +6,7 @@
 
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/eye/eye_paths.h"
+#include "bidirectional_vpl/guide/guide_photons.h"
 #include "bidirectional_vpl/light/light_vertices.h"
 #include "bidirectional_vpl/maps/maps.h"
 
@@ -17,7 +18,8 @@ struct PartsContext {
   KernelScheduler& scheduler;
   const SceneBuffers& scene;
   const Intersector& intersector;
-  std::string owner;  ///< pays for the memory
+  GuidePhotons* guide;  ///< null where no plan has one
+  std::string owner;    ///< pays for the memory
 };
 
 /// Maps, light paths and camera paths of iterations of one plan.
@@ -30,6 +32,12 @@ class Parts {
   bool trace(uint32_t index);
   /// Adds it to the sums, `iterations` with it.
   void add(uint64_t iterations);
+  /// Before the first sample: light paths whose only use is to guide. False when cancelled.
+  bool prepare_guide();
+  /// Lets the light paths of the iteration that was added guide further ones.
+  void teach() {
+    if (guide_) guide_->collect(collect_, plan_.settings.light_paths);
+  }
   /// Follows a change of the scene. False where this must be built again.
   bool update() { return eye_->update() && maps_->update(); }
   /// Back to no samples. `moves_on`: with the next frame of a moving picture.
@@ -48,7 +56,9 @@ class Parts {
   Frame frame_;
   std::unique_ptr<Maps> maps_;
   std::unique_ptr<LightVertices> vertices_;  ///< null where no strategy needs light paths
+  GuidePhotons* guide_;
   std::unique_ptr<EyePaths> eye_;
+  Schedule collect_;  ///< of what guides, with Plan::guide
 };
 
 }  // namespace lucarium::bidirectional

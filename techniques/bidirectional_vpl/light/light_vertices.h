@@ -33,8 +33,9 @@ class LightVertices {
   const TypedBuffer<PathVertex>& vertices() const { return vertices_; }
   const TypedBuffer<float2>& densities() const { return densities_; }  ///< of vertices, by slot (base/gloss.clh)
   const TypedBuffer<float>& table() const { return table_; }
-  const TypedBuffer<uint32_t>& list() const { return list_; }    ///< indices of the vertices that are there
-  const TypedBuffer<uint32_t>& count() const { return count_; }  ///< one element: how many
+  const TypedBuffer<uint32_t>& list() const { return list_; }              ///< indices of the vertices that are there
+  const TypedBuffer<uint32_t>& count() const { return count_; }            ///< one element: how many
+  const TypedBuffer<uint32_t>& slot_count() const { return slot_count_; }  ///< one element: of vertices()
   uint32_t table_capacity() const { return table_capacity_; }
   /// To connect to, of the last iteration.
   uint32_t vertex_count() const { return present_; }

@@ -29,7 +29,10 @@ void take_light_vertex(const Scene* scene, LIGHT_VERTEX_PARAMETERS const LightVe
   const float cosine = fmax(fabs(dot(vertex->surface.n_g, vertex->surface.view)), 1e-6f);
   vertex_densities[slot] = (float2)(choice * vertex->found, infinite ? INFINITY : sqr(vertex->distance) / cosine);
 #endif
-  vertices[slot] = pack_path_vertex(&vertex->surface, &vertex->bsdf, vertex->flux, vertex->medium, number, vertex->mis);
+  PathVertex kept =
+      pack_path_vertex(&vertex->surface, &vertex->bsdf, vertex->flux, vertex->medium, number, vertex->mis);
+  if (vertex->number > 0u && vertex->diffused == 0u) kept.view.w = as_float(as_uint(kept.view.w) | PATH_VERTEX_CAUSTIC);
+  vertices[slot] = kept;
 }
 
 // Before a run: no path has a vertex.

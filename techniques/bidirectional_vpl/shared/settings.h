@@ -65,7 +65,8 @@ float carried;      // x of what path_mis.clh carries; its y, for each number of
 uint bundle;        // in whose stored fragments the ray is looked up; LUCARIUM_NONE: it is traced
 uint left;          // the triangle that it leaves then
 float rest;         // of paths over the last edge, what connections leave (two_bounce.clh)
-uint pad0, pad1, pad2;
+float gain;         // of densities by a guide at the last scattering that was not ideal (guide.clh)
+uint pad0, pad1;
 LUCARIUM_STRUCT_END(EyePathState, 64)
 
 #define EYE_PATH_AFTER_DELTA 1u  // the last scattering was ideal, or there was none

@@ -175,6 +175,15 @@ TEST_CASE("adapt: an estimator is not better than itself") {
       for (float4& sum : sums) sum = {0.95f * sum.x, 0.95f * sum.y, 0.95f * sum.z, 0};
     CHECK(hidden_variance(darker, first, weights) > 0);
   }
+  // Half of the light of a block of 8 x 8 pixels, a hundredth of all, drowns in the noise of the whole.
+  const TrialImage first = noisy_image(1, 8, 80, 1), second = noisy_image(2, 8, 80, 1);
+  const PixelWeights weights = pixel_weights(first);
+  CHECK(hidden_variance(second, first, weights) == 0);
+  TrialImage darker = second;
+  for (std::vector<float4>& sums : darker.sums)
+    for (size_t y = 16; y < 24; ++y)
+      for (size_t x = 40; x < 48; ++x) sums[y * 80 + x] = {0.5f * sums[y * 80 + x].x, 0, 0, 0};
+  CHECK(hidden_variance(darker, first, weights) > 0.1);
 }
 
 TEST_CASE("adapt: work counts rays, vertices and candidates") {

@@ -83,6 +83,16 @@ inline std::vector<std::vector<float>> pictures(const Scene& scene, const std::s
   return images;
 }
 
+/// The mean of the layer `indirect`, over seeds.
+inline Estimate indirect(const Scene& scene, Picture picture, const Parameters& parameters) {
+  std::vector<double> means;
+  for (uint32_t i = 0; i < kSeeds; ++i) {
+    picture.seed = 30 + i;
+    means.push_back(mean_of(render(scene, "bidirectional_vpl", picture, parameters).find("indirect")->pixels));
+  }
+  return estimate_of(means);
+}
+
 /// Blocks of 8 x 8 pixels and the image's mean agree with path_tracing of the same paths.
 inline void check_agreement(const std::string& name, const Scene& scene, const Picture& picture,
                             const Parameters& parameters, const Parameters& reference, uint32_t count) {

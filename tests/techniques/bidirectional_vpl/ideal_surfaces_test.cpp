@@ -2,33 +2,10 @@
 // Lamps over mirrors and behind glass: light of ideal surfaces that splats and hits find, each alone.
 #include "bidirectional_rig.h"
 #include "made_scene.h"
+#include "polygon_irradiance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
-
-namespace {
-
-Estimate indirect(const Scene& scene, Picture picture, const Parameters& parameters) {
-  std::vector<double> means;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    picture.seed = 30 + i;
-    means.push_back(mean_of(render(scene, "bidirectional_vpl", picture, parameters).find("indirect")->pixels));
-  }
-  return estimate_of(means);
-}
-
-/// Lambert's formula: what a polygon of radiance 1 sends to a point with normal n, all of it in front.
-double polygon_irradiance(const glm::dvec3& point, const glm::dvec3& n, const std::vector<glm::dvec3>& corners) {
-  double sum = 0;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const glm::dvec3 a = glm::normalize(corners[i] - point);
-    const glm::dvec3 b = glm::normalize(corners[(i + 1) % corners.size()] - point);
-    sum += std::acos(glm::dot(a, b)) * glm::dot(glm::normalize(glm::cross(a, b)), n);
-  }
-  return std::abs(sum) / 2;
-}
-
-}  // namespace
 
 TEST_CASE("mirrored lamp: a wall gets what the lamp's mirror image sends, by splats alone and by hits alone") {
   // The lamp shines down on a mirror, beside a wall at x = 1 that sees the lamp only from the front, directly and

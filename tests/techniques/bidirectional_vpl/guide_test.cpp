@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// guide: what mirrors and glass show of caustics has less noise, and nothing else changes.
+#include "bidirectional_rig.h"
+#include "bidirectional_vpl/shared/guide_photon.h"
+#include "lucarium/compute/program/source_library.h"
+#include "made_scene.h"
+#include "polygon_irradiance.h"
+#include "tolerance.h"
+
+const lucarium::EmbeddedSources& test_bidirectional_vpl_kernels();
+const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+const float kAlbedo = 0.5f, kLamp = 0.1f;  ///< of the wall; half a side of the lamp [m]
+
+/// A lamp shines down on a mirror at y = 0, beside a wall at x = 1 whose light of one bounce is the mirrored lamp's.
+/// The camera sees the wall by a second mirror, in parallel rays of a square of `half` [m].
+Scene mirrored_caustic(float half) {
+  Scene scene;
+  SceneMaterial mirror;
+  mirror.roughness = 0;
+  const int shiny = add_material(scene, mirror);
+  add_horizontal(scene, 0, 0, 0, 3, 3, true, shiny);
+  add_horizontal(scene, 0, 1, 0, 2 * kLamp, 2 * kLamp, false, add_material(scene, emitter(25)));
+  add_polygon(scene, {{1, 0, -1.5f}, {1, 0, 1.5f}, {1, 2, 1.5f}, {1, 2, -1.5f}}, add_material(scene, lambert(kAlbedo)));
+  add_polygon(scene, {{-0.5f, 0.3f, -1.6f}, {0.1f, 0.3f, -1.6f}, {0.1f, 0.9f, -1.6f}, {-0.5f, 0.9f, -1.6f}}, shiny);
+  scene.cameras = {look_orthographic({-1.4f, 0.6f, 0}, {-0.2f, 0.6f, -1.6f}, half)};
+  return scene;
+}
+
+/// Radiance of what the camera sees, by Lambert's formula.
+double caustic_radiance(double half) {
+  const double lamp = double{kLamp};
+  const std::vector<glm::dvec3> image = {{-lamp, -1, -lamp}, {lamp, -1, -lamp}, {lamp, -1, lamp}, {-lamp, -1, lamp}};
+  const int grid = 32;
+  double irradiance = 0;
+  for (int i = 0; i < grid; ++i)
+    for (int j = 0; j < grid; ++j) {
+      // Parallel rays meet the wall at an angle with cosine 0.6.
+      const glm::dvec3 point(1, 0.6 + (2 * (i + 0.5) / grid - 1) * half, (2 * (j + 0.5) / grid - 1) * half / 0.6);
+      irradiance += polygon_irradiance(point, {-1, 0, 0}, image) / (grid * grid);
+    }
+  return 25 * irradiance * double{kAlbedo} / M_PI;
+}
+
+}  // namespace
+
+TEST_CASE("guide: a mirror shows the light of another one on a wall, by Lambert's formula") {
+  const float half = 0.2f;
+  const Scene scene = mirrored_caustic(half);
+  Picture picture;
+  picture.width = picture.height = 16;
+  picture.max_bounces = 1;
+  picture.iterations = full_run() ? 4096 : 32;
+  const Parameters many = {{"light_paths", "8192"}};
+  const Estimate guided = indirect(scene, picture, many);
+  const Estimate unguided = indirect(scene, picture, {{"light_paths", "8192"}, {"guide", "off"}});
+  ClosedForms table;
+  table.add("guided", guided, caustic_radiance(double{half}));
+  table.check(0.02);
+  MESSAGE("errors: " << guided.error << ", without a guide " << unguided.error);
+  CHECK(guided.error < 0.4 * unguided.error);
+}
+
+TEST_CASE("guide: pictures of a caustic have the same light with less noise") {
+  const Scene scene = load_scene("builtin:caustic");
+  Picture picture;
+  picture.width = 80;
+  picture.height = 45;
+  picture.max_bounces = 4;
+  picture.iterations = full_run() ? 1024 : 32;
+  const auto rendered = [&](const char* guide) {
+    std::vector<double> means;
+    double squares = 0;
+    std::vector<std::vector<float>> images;
+    for (uint32_t i = 0; i < kSeeds; ++i) {
+      picture.seed = 1000 + i;
+      const Parameters parameters = {{"guide", guide}, {"adapt", "off"}};
+      images.push_back(render(scene, "bidirectional_vpl", picture, parameters).find("indirect")->pixels);
+      means.push_back(mean_of(images.back()));
+    }
+    for (size_t i = 0; i < images.front().size(); ++i) {
+      double mean = 0;
+      for (const std::vector<float>& image : images) mean += static_cast<double>(image[i]) / kSeeds;
+      for (const std::vector<float>& image : images) squares += std::pow(static_cast<double>(image[i]) - mean, 2);
+    }
+    return std::pair(squares, estimate_of(means));
+  };
+  const auto [guided, light] = rendered("on");
+  const auto [unguided, expected] = rendered("off");
+  MESSAGE("squared error, guided over not: " << guided / unguided);
+  CHECK(guided < 0.3 * unguided);
+  INFO(light.mean, " +- ", light.error, ", not guided ", expected.mean, " +- ", expected.error);
+  CHECK(std::abs(light.mean - expected.mean) <= 5 * std::hypot(light.error, expected.error));
+}
+
+TEST_CASE("guide: directions are sampled with the density that they are weighed by") {
+  SourceLibrary library;
+  library.add(bidirectional_vpl_kernels());
+  library.add(test_bidirectional_vpl_kernels());
+  const Program program(*test_device(), library, {"test_bidirectional_vpl/guide", {"test_bidirectional_vpl/guide.cl"}});
+  std::vector<GuidePhoton> all(BIDIRECTIONAL_GUIDE_WINDOW);
+  for (size_t i = 0; i < all.size(); ++i) {
+    const double z = 0.9 - 1.1 * static_cast<double>(i) / static_cast<double>(all.size()), r = std::sqrt(1 - z * z);
+    const double angle = 2.4 * static_cast<double>(i);
+    all[i].direction = {static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)),
+                        static_cast<float>(z), 0.1f + 0.4f * static_cast<float>(i % 4) / 3};
+  }
+  const auto photons = test_buffer(all);
+  // Every other photon guides, and some of them from below one of the normals.
+  const uint32_t mask = 0x5555'5555u;
+  const float4 n_g{0, 0, 1, 0}, n_s{0.6f, 0, 0.8f, 0};
+  const auto bind = [&](PassBuilder& pass, uint32_t count) {
+    pass.arg("count", count).arg("photons", photons).arg("mask", mask).arg("n_g", n_g).arg("n_s", n_s);
+  };
+  const uint32_t samples = 400'000, steps = 1000;
+  const auto sampled = test_buffer<float4>(samples);
+  run_kernel(program, "sample_guides", samples, 64, [&](PassBuilder& pass) {
+    bind(pass, samples);
+    pass.arg("directions", sampled);
+  });
+  std::vector<float4> grid;
+  for (uint32_t i = 0; i < steps; ++i)
+    for (uint32_t j = 0; j < steps; ++j) {
+      const double z = 2 * (i + 0.5) / steps - 1, r = std::sqrt(1 - z * z), angle = 2 * M_PI * (j + 0.5) / steps;
+      grid.push_back(
+          {static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)), static_cast<float>(z), 0});
+    }
+  const auto directions = test_buffer(grid);
+  const auto densities = test_buffer<float>(grid.size());
+  run_kernel(program, "weigh_guides", grid.size(), 64, [&](PassBuilder& pass) {
+    bind(pass, static_cast<uint32_t>(grid.size()));
+    pass.arg("directions", directions).arg("densities", densities);
+  });
+  // The mean of each test function over samples, and its integral times the density.
+  const std::vector<float> density = densities.download();
+  const std::vector<float4> found = sampled.download();
+  for (const glm::dvec3& axis :
+       {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(-0.6, 0, 0.8), glm::dvec3(0, 0.6, 0.8), glm::dvec3(0, -1, 0)}) {
+    const auto value = [&](const float4& d) {
+      const double cosine = glm::dot(axis, glm::dvec3(d.x, d.y, d.z));
+      return axis == glm::dvec3(0) ? 1 : std::max(cosine, 0.0) * std::max(cosine, 0.0);
+    };
+    double mean = 0, squares = 0, integral = 0;
+    for (const float4& d : found) {
+      const double v = d.w > 0 ? value(d) : 0;
+      mean += v / samples;
+      squares += v * v / samples;
+    }
+    for (size_t i = 0; i < grid.size(); ++i)
+      integral += value(grid[i]) * static_cast<double>(density[i]) * 4 * M_PI / static_cast<double>(grid.size());
+    CAPTURE(axis.x);
+    CAPTURE(axis.y);
+    CHECK(std::abs(mean - integral) <= 5 * std::sqrt((squares - mean * mean) / samples) + 1e-4);
+    CHECK(integral < 1);
+  }
+}
+
+TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither do the light paths before the first") {
+  const Scene scene = load_scene("builtin:caustic");
+  const auto image = [&](uint64_t before, int requests_before) {
+    RenderSettings settings;
+    settings.width = settings.height = 24;
+    settings.max_bounces = 4;
+    settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+    settings.camera = scene.cameras.front();
+    RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings);
+    if (before > 0) session.run({.iterations = before});
+    if (requests_before > 0) {
+      int requests = 0;
+      session.scheduler().set_cancel([&] { return requests++ >= requests_before; });
+      session.iterate();
+      CHECK(session.last().samples == before);
+      session.scheduler().set_cancel([] { return false; });
+    }
+    session.run({.iterations = 4 - before});
+    CHECK(session.last().samples == 4);
+    return image_of(session.resolve());
+  };
+  const std::vector<float> undisturbed = image(0, 0);
+  for (const int requests : {1, 40, 150}) CHECK(image(0, requests) == undisturbed);
+  for (const int requests : {5, 20, 35}) CHECK(image(2, requests) == undisturbed);
+}
+
+TEST_CASE("guide: light paths stay where a mirror shows a caustic, and are counted where they guide") {
+  RenderSettings settings;
+  const Scene scene = load_scene("builtin:caustic");
+  settings.width = 160;
+  settings.height = 90;
+  settings.max_bounces = 4;
+  settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+  settings.camera = scene.cameras.front();
+  RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings);
+  session.run({.iterations = 24});
+  const auto counters = session.technique().counters();
+  CHECK(counters.at("adapted_light_paths") == 1);
+  CHECK(counters.at("guide_photons") > 1000);
+  const Scene room = load_scene("builtin:room");
+  settings.camera = room.cameras.front();
+  settings.width = settings.height = 16;
+  RenderSession plain(test_device(), room, registry().find("bidirectional_vpl"), settings);
+  plain.run({.iterations = 1});
+  CHECK(plain.technique().counters().count("guide_photons") == 0);
+}
