@@ -66,7 +66,8 @@
 // Not in the source: the anisotropic lobe of equation 11, which no material has.
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
-// strategies, the choice among candidates (light/candidates.clh), leaving out what costs more than it brings (effort/).
+// strategies, the choice among candidates (light/candidates.clh), directions after light paths behind mirrors and glass
+// (guide/), leaving out what costs more than it brings (effort/).
 
 #include <memory>
 

@@ -15,8 +15,8 @@ __kernel void mark_guide_vertices(__global const PathVertex* restrict vertices, 
                                   __global uint* restrict present, uint slice_base) {
   const uint i = slice_base + (uint)get_global_id(0);
   if (i >= count) return;
-  const uint flags = as_uint(vertices[i].view.w);
-  present[i] = flags >> PATH_VERTEX_NUMBER_SHIFT != 0u && (flags & PATH_VERTEX_CAUSTIC) != 0u;
+  const PathVertex vertex = vertices[i];
+  present[i] = path_vertex_number(&vertex) != 0u && (as_uint(vertex.view.w) & PATH_VERTEX_CAUSTIC) != 0u;
 }
 
 // Appends those of the list to the photons, in its order. stored[0]: how many there are.
@@ -30,9 +30,9 @@ __kernel void take_guide_photons(__global const PathVertex* restrict vertices, _
   photons[place].direction = (float4)(vertex.view.xyz, 0.0f);
 }
 
-// One work-item.
+// The first work-item, alone.
 __kernel void count_guide_photons(__global const uint* restrict listed, __global uint* restrict stored) {
-  stored[0] = min(stored[0] + listed[0], BIDIRECTIONAL_GUIDE_PHOTONS);
+  if (get_global_id(0) == 0u) stored[0] = min(stored[0] + listed[0], BIDIRECTIONAL_GUIDE_PHOTONS);
 }
 
 // Keys to sort by, behind which places without a photon come.

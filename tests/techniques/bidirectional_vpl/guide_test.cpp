@@ -55,15 +55,17 @@ TEST_CASE("guide: a mirror shows the light of another one on a wall, by Lambert'
   Picture picture;
   picture.width = picture.height = 16;
   picture.max_bounces = 1;
-  picture.iterations = full_run() ? 4096 : 32;
-  const Parameters many = {{"light_paths", "8192"}};
-  const Estimate guided = indirect(scene, picture, many);
-  const Estimate unguided = indirect(scene, picture, {{"light_paths", "8192"}, {"guide", "off"}});
+  picture.iterations = full_run() ? 512 : 32;
+  // Roulette from the wall on: it must not end what the guide has made likely.
+  const auto estimated = [&](const char* guide) {
+    return indirect(scene, picture, {{"light_paths", "8192"}, {"camera_edges", "1"}, {"guide", guide}});
+  };
+  const Estimate guided = estimated("on"), unguided = estimated("off");
   ClosedForms table;
   table.add("guided", guided, caustic_radiance(double{half}));
   table.check(0.02);
   MESSAGE("errors: " << guided.error << ", without a guide " << unguided.error);
-  CHECK(guided.error < 0.4 * unguided.error);
+  CHECK(guided.error < 0.25 * unguided.error);
 }
 
 TEST_CASE("guide: pictures of a caustic have the same light with less noise") {
@@ -93,9 +95,34 @@ TEST_CASE("guide: pictures of a caustic have the same light with less noise") {
   const auto [guided, light] = rendered("on");
   const auto [unguided, expected] = rendered("off");
   MESSAGE("squared error, guided over not: " << guided / unguided);
-  CHECK(guided < 0.3 * unguided);
+  CHECK(guided < 0.7 * unguided);
   INFO(light.mean, " +- ", light.error, ", not guided ", expected.mean, " +- ", expected.error);
   CHECK(std::abs(light.mean - expected.mean) <= 5 * std::hypot(light.error, expected.error));
+}
+
+TEST_CASE("guide: in a shining box with a mirror all directions have their light") {
+  // Every wall shines with 1 and reflects a half, the mirror all: light is 2 everywhere, of which a scattering has 1.
+  Scene scene;
+  SceneMaterial shining = lambert(0.5f), mirror;
+  shining.emissive_factor = glm::vec3(1);
+  mirror.roughness = 0;
+  mirror.double_sided = true;
+  add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, shining));
+  add_polygon(scene, {{-0.8f, -0.8f, -0.9f}, {0.8f, -0.8f, -0.9f}, {0.8f, 0.8f, -0.9f}, {-0.8f, 0.8f, -0.9f}},
+              add_material(scene, mirror));
+  scene.cameras = {look_orthographic({0.2f, 0.1f, 0.5f}, {-0.1f, 0, -0.9f}, 0.3f)};
+  Picture picture;
+  picture.width = picture.height = 16;
+  picture.max_bounces = -1;
+  picture.iterations = full_run() ? 512 : 16;
+  std::vector<double> means;
+  for (uint32_t i = 0; i < kSeeds; ++i) {
+    picture.seed = 30 + i;
+    means.push_back(mean_of(image_of(render(scene, "bidirectional_vpl", picture))));
+  }
+  ClosedForms table;
+  table.add("all", estimate_of(means), 2);
+  table.check(0.02);
 }
 
 TEST_CASE("guide: directions are sampled with the density that they are weighed by") {
@@ -199,6 +226,8 @@ TEST_CASE("guide: light paths stay where a mirror shows a caustic, and are count
   const auto counters = session.technique().counters();
   CHECK(counters.at("adapted_light_paths") == 1);
   CHECK(counters.at("guide_photons") > 1000);
+  // Caustics alone: a fortieth of the light paths, of which some are traced before the first sample.
+  CHECK(counters.at("guide_photons") < 0.1 * counters.at("light_paths"));
   const Scene room = load_scene("builtin:room");
   settings.camera = room.cameras.front();
   settings.width = settings.height = 16;
