@@ -127,16 +127,16 @@ double relative_variance(const TrialImage& trial, const PixelWeights& weights) {
 }
 
 double hidden_variance(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights) {
-  double most = squared_lack(trial, reference, weights, {0, 0, trial.width, trial.height});
+  double largest = squared_lack(trial, reference, weights, {0, 0, trial.width, trial.height});
   for (const uint32_t side : kBlocks) {
     double lack = 0;
     for (uint32_t y = 0; y < trial.height; y += side)
       for (uint32_t x = 0; x < trial.width; x += side)
         lack += squared_lack(trial, reference, weights,
                              {x, y, std::min(x + side, trial.width), std::min(y + side, trial.height)});
-    most = std::max(most, lack);
+    largest = std::max(largest, lack);
   }
-  return most / (trial.samples() * 3 * static_cast<double>(weights.size()));
+  return largest / (trial.samples() * 3 * static_cast<double>(weights.size()));
 }
 
 }  // namespace lucarium::bidirectional

@@ -5,8 +5,8 @@
 #include "lucarium/path_vertex.clh"
 
 // Of lobes: narrower ones would be spikes, wider ones no better than the BSDF.
-#define GUIDE_LEAST_WIDTH 1e-3f
-#define GUIDE_LARGEST_WIDTH 0.5f
+#define GUIDE_MIN_WIDTH 1e-3f
+#define GUIDE_MAX_WIDTH 0.5f
 #define GUIDE_NARROW 0.15f  // a fiftieth of what a diffuse surface sends out goes there
 
 // Marks caustics. What ideal surfaces pass on of light that others have scattered comes from so many directions that
@@ -81,7 +81,7 @@ __kernel void order_guide_photons(__global const GuidePhoton* restrict photons, 
     keep_third(nearest, dot(apart, apart));
     keep_third(likest, dot(turned, turned));
   }
-  const float width = clamp(sqrt(likest[2]), GUIDE_LEAST_WIDTH, GUIDE_LARGEST_WIDTH);
+  const float width = clamp(sqrt(likest[2]), GUIDE_MIN_WIDTH, GUIDE_MAX_WIDTH);
   ordered[i].position = (float4)(own.position.xyz, sqrt(nearest[2]));
   ordered[i].direction = (float4)(own.direction.xyz, width);
   if (width < GUIDE_NARROW) atomic_inc(narrow);

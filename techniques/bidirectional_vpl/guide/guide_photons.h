@@ -44,7 +44,7 @@ class GuidePhotons {
   TypedBuffer<GuidePhoton> photons_, ordered_;
   TypedBuffer<uint32_t> keys_, stored_, ordered_count_, narrow_count_;
   Schedule order_;
-  uint32_t collected_ = 0, last_ordered_ = 0;  ///< read back from stored_; what of them is in order
+  uint32_t collected_ = 0, last_ordered_ = 0;  ///< read back from stored_; how many of them are in order
   uint32_t narrow_ = 0;                        ///< read back from narrow_count_
   double light_paths_ = 0;                     ///< that collected_ are of
 };

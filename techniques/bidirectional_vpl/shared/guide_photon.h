@@ -4,7 +4,7 @@
 #define BIDIRECTIONAL_VPL_SHARED_GUIDE_PHOTON_H
 #include "lucarium/shared/dialect.h"
 
-#define BIDIRECTIONAL_GUIDE_PHOTONS 131072u      // at most; no more are collected then
+#define BIDIRECTIONAL_GUIDE_PHOTONS 131072u     // at most; no more are collected then
 #define BIDIRECTIONAL_GUIDE_WINDOW 32u          // that guide a camera path
 #define BIDIRECTIONAL_GUIDE_NO_KEY 0x40000000u  // behind all keys
 
