@@ -81,7 +81,8 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.vpl_maps = parameters.vpl_visibility == VplVisibility::map && plan.vpl;
   plan.direct_maps = parameters.direct == Direct::maps && plan.lights;
   plan.map_res = static_cast<uint32_t>(parameters.map_res);
-  plan.guide = parameters.guide && all && plan.light_vertices >= 2 && !plan.bundles && plan.gloss == Gloss::none;
+  plan.guide =
+      parameters.guide && all && plan.light_vertices >= 2 && !plan.bundles && !plan.caches && plan.gloss == Gloss::none;
   if (plan.light_vertices > 0) {
     const bool few = plan.choice == VplChoice::all || plan.choice == VplChoice::pair;
     const uint32_t automatic = few ? s.bundles : std::max(s.pixels / kPixelsPerLightPath, 1u);

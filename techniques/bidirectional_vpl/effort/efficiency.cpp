@@ -64,9 +64,9 @@ Estimate weighted_light(const TrialImage& image, const PixelWeights& weights, co
 
 /// The square of the light that a block lacks in all samples, beyond chance.
 double squared_lack(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights,
-                    const Block& block) {
+                    const Block& block, double significant) {
   const Estimate found = weighted_light(trial, weights, block), expected = weighted_light(reference, weights, block);
-  const double chance = kSignificant * std::sqrt(found.squared_error + expected.squared_error);
+  const double chance = significant * std::sqrt(found.squared_error + expected.squared_error);
   const double missing = std::max(expected.mean - found.mean - chance, 0.0) * trial.samples();
   return missing * missing;
 }
@@ -127,13 +127,14 @@ double relative_variance(const TrialImage& trial, const PixelWeights& weights) {
 }
 
 double hidden_variance(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights) {
-  double largest = squared_lack(trial, reference, weights, {0, 0, trial.width, trial.height});
+  double largest = squared_lack(trial, reference, weights, {0, 0, trial.width, trial.height}, kSignificant);
   for (const uint32_t side : kBlocks) {
     double lack = 0;
     for (uint32_t y = 0; y < trial.height; y += side)
       for (uint32_t x = 0; x < trial.width; x += side)
         lack += squared_lack(trial, reference, weights,
-                             {x, y, std::min(x + side, trial.width), std::min(y + side, trial.height)});
+                             {x, y, std::min(x + side, trial.width), std::min(y + side, trial.height)},
+                             kSignificantInBlock);
     largest = std::max(largest, lack);
   }
   return largest / (trial.samples() * 3 * static_cast<double>(weights.size()));

@@ -138,7 +138,7 @@ std::optional<Effort> Trials::decide(Effort* missing) const {
   if (!best.light_paths) return best;
 
   // Lengths of light paths, and of camera paths before roulette.
-  for (uint32_t vertices = whole.light_vertices / 2; vertices >= 1; vertices /= 2) {
+  for (uint32_t vertices = whole.light_vertices / 2; vertices >= (needs_light_paths ? 2u : 1u); vertices /= 2) {
     if (light_paths / 2 <= 1 - kClearly) break;
     effort = best;
     effort.light_vertices = static_cast<int>(vertices);

@@ -103,7 +103,7 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
   else
     leave_eye_mis(walk, mis, settings.connection_samples, pdf_bsdf(&turned, surface->view));
   walk->state.throughput = (float4)(walk->state.throughput.xyz * sample.weight, sample.pdf);
-  walk->state.gain = sample.delta ? walk->state.gain * gain : gain;
+  walk->state.gain *= gain;
   walk->state.cosine = fabs(dot(surface->n_g, sample.direction));
   if (!is_contribution(walk->state.throughput.xyz)) {
     walk->state.flags |= EYE_PATH_BAD;

@@ -16,6 +16,10 @@ constexpr double kGrowth = 1.25;
 // Photons of narrow lobes that are no accident, and that are a part of the light worth looking at.
 constexpr uint32_t kMinNarrow = 64;
 constexpr double kNarrowShare = 0.005;
+// Light paths before the first sample: until there are so many photons, in so many rounds at most, or until some
+// thousand paths have found next to nothing.
+constexpr uint32_t kEnough = 4096, kRounds = 16;
+constexpr double kPathsToLook = 4096, kPathsToGiveUp = 1 << 20;
 constexpr int kKeyBits = 31;  // with BIDIRECTIONAL_GUIDE_NO_KEY
 
 }  // namespace
@@ -96,7 +100,8 @@ void GuidePhotons::record_order(const SceneBuffers& scene) {
 }
 
 void GuidePhotons::collect(Schedule& collect, uint32_t light_paths) {
-  if (collected_ == BIDIRECTIONAL_GUIDE_PHOTONS) return;
+  const bool never = collected_ == 0 && light_paths_ >= kPathsToGiveUp;
+  if (never || collected_ == BIDIRECTIONAL_GUIDE_PHOTONS) return;
   scheduler_.run_to_end(collect);
   scheduler_.finish();
   light_paths_ += light_paths;
@@ -112,14 +117,24 @@ void GuidePhotons::clear() {
   ordered_count_.fill_zero();
   collected_ = last_ordered_ = narrow_ = 0;
   light_paths_ = 0;
+  rounds_ = 0;
+  prepared_ = false;
+}
+
+void GuidePhotons::prepare(Schedule& collect_round, uint32_t light_paths) {
+  collect(collect_round, light_paths);
+  ++rounds_;
+  const bool nothing = light_paths_ >= kPathsToLook && collected_ < BIDIRECTIONAL_GUIDE_WINDOW;
+  prepared_ = rounds_ == kRounds || collected_ >= kEnough || nothing;
 }
 
 bool GuidePhotons::needs_light_paths() const { return narrow_ >= kMinNarrow && narrow_ >= kNarrowShare * light_paths_; }
 
-size_t GuidePhotons::estimate_bytes(const Plan& plan) {
-  if (!plan.guide) return 0;
-  return BIDIRECTIONAL_GUIDE_PHOTONS * (2 * sizeof(GuidePhoton) + 2 * sizeof(uint32_t)) +
-         plan.vertex_slots() * 2 * sizeof(uint32_t);
+size_t GuidePhotons::estimate_bytes() {
+  // With the order and what sorting takes.
+  return BIDIRECTIONAL_GUIDE_PHOTONS * (2 * sizeof(GuidePhoton) + 5 * sizeof(uint32_t));
 }
+
+size_t GuidePhotons::estimate_collect_bytes(const Plan& plan) { return plan.vertex_slots() * 2 * sizeof(uint32_t); }
 
 }  // namespace lucarium::bidirectional

@@ -9,9 +9,8 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-// Light paths before the first sample, whose numbers are apart from all samples': until there are so many photons, in
-// so many rounds at most, or until some rounds have found next to nothing.
-constexpr uint32_t kGuideRun = 1u << 31, kGuidePhotons = 4096, kGuideRounds = 16, kGuideLook = 1;
+// Numbers of light paths before the first sample, apart from all samples'.
+constexpr uint32_t kGuideRun = 1u << 31;
 
 /// Without a guide where there is none.
 Plan plan_with(const GuidePhotons* guide, const Plan& plan) {
@@ -53,14 +52,12 @@ bool Parts::trace(uint32_t index) {
 }
 
 bool Parts::prepare_guide() {
-  if (!guide_) return true;
-  for (uint32_t round = 0; round < kGuideRounds && guide_->collected() < kGuidePhotons; ++round) {
-    if (!maps_->fill_lights(frame_.seed, kGuideRun + round) || !vertices_->trace(kGuideRun + round)) {
-      guide_->clear();
-      return false;
-    }
-    guide_->collect(collect_, plan_.settings.light_paths);
-    if (round >= kGuideLook && guide_->collected() < BIDIRECTIONAL_GUIDE_WINDOW) break;
+  if (!guide_ || guide_->prepared()) return true;
+  if (!eye_->begin(kGuideRun)) return false;  // what splats are added to
+  while (!guide_->prepared()) {
+    const uint32_t run = kGuideRun + guide_->rounds();
+    if (!maps_->fill_lights(frame_.seed, run) || !vertices_->trace(run)) return false;
+    guide_->prepare(collect_, plan_.settings.light_paths);
   }
   return true;
 }
@@ -107,7 +104,7 @@ InspectedValues Parts::inspect(const SeenPoint& point) const {
 
 size_t Parts::estimate_bytes(const Plan& plan, const Scene& scene) {
   return EyePaths::estimate_bytes(plan, scene, false) + Maps::estimate_bytes(plan, scene) +
-         GuidePhotons::estimate_bytes(plan) +
+         (plan.guide ? GuidePhotons::estimate_collect_bytes(plan) : 0) +
          (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, false) : 0);
 }
 

@@ -32,7 +32,7 @@ class Parts {
   bool trace(uint32_t index);
   /// Adds it to the sums, `iterations` with it.
   void add(uint64_t iterations);
-  /// Before the first sample: light paths whose only use is to guide. False when cancelled.
+  /// Before the first sample: light paths whose only use is to guide. Goes on where it was cancelled; false when it is.
   bool prepare_guide();
   /// Lets the light paths of the iteration that was added guide further ones.
   void teach() {

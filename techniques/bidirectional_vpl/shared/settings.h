@@ -55,7 +55,7 @@ LUCARIUM_STRUCT_END(BidirectionalSettings, 64)
 
 // A camera path between two vertices.
 LUCARIUM_STRUCT_BEGIN(EyePathState)
-float4 throughput;  // xyz; w: density of the ray's direction [1/sr], of an ideal lobe its probability
+float4 throughput;  // xyz; w: density of the ray's direction, not guided [1/sr], of an ideal lobe its probability
 uint scatterings;   // counted so far
 uint segment;       // vertices visited so far, for the sampler
 uint medium;        // that the ray runs through (medium.clh)
@@ -65,7 +65,7 @@ float carried;      // x of what path_mis.clh carries; its y, for each number of
 uint bundle;        // in whose stored fragments the ray is looked up; LUCARIUM_NONE: it is traced
 uint left;          // the triangle that it leaves then
 float rest;         // of paths over the last edge, what connections leave (two_bounce.clh)
-float gain;         // of densities by a guide at the last scattering that was not ideal (guide.clh)
+float gain;         // densities of all directions so far over those of BSDFs (guide.clh)
 uint pad0, pad1;
 LUCARIUM_STRUCT_END(EyePathState, 64)
 

@@ -5,7 +5,8 @@
 #include "lucarium/services/layer_sums/layer_sums.clh"
 #include "virtual_light_field/pixels/shown_field.clh"
 
-// Pixels of a row that a work-item takes, one after the other: on CPU devices, so that it keeps what neighbours share.
+// Consecutive pixels that a work-item takes, one after the other: on CPU devices, so that it keeps what neighbours
+// share.
 #ifdef LUCARIUM_HAS_PREFETCH
 #define WALK_PIXELS 8u
 #else

@@ -187,6 +187,34 @@ TEST_CASE("guide: directions are sampled with the density that they are weighed 
   }
 }
 
+TEST_CASE("guide: narrow lobes have their tails and their middle") {
+  SourceLibrary library;
+  library.add(bidirectional_vpl_kernels());
+  library.add(test_bidirectional_vpl_kernels());
+  const Program program(*test_device(), library, {"test_bidirectional_vpl/guide", {"test_bidirectional_vpl/guide.cl"}});
+  const double width = 1e-3;
+  std::vector<GuidePhoton> all(BIDIRECTIONAL_GUIDE_WINDOW);
+  all.front().direction = {0, 0, 1, static_cast<float>(width)};
+  const auto photons = test_buffer(all);
+  const uint32_t samples = 100'000;
+  const auto sampled = test_buffer<float4>(samples);
+  run_kernel(program, "sample_guides", samples, 64, [&](PassBuilder& pass) {
+    pass.arg("count", samples).arg("photons", photons).arg("mask", 1u);
+    pass.arg("n_g", float4{0, 0, 1, 0}).arg("n_s", float4{0, 0, 1, 0}).arg("directions", sampled);
+  });
+  // Of the tangents t of a GGX distribution w^2 / (w^2 + t^2) are larger.
+  const std::vector<float4> found = sampled.download();
+  for (const double bound : {0.1, 0.3, 1.0, 3.0}) {
+    const double expected = bound * bound / (1 + bound * bound);
+    double below = 0;
+    for (const float4& d : found)
+      if (std::hypot(static_cast<double>(d.x), static_cast<double>(d.y)) < bound * width * static_cast<double>(d.z))
+        below += 1.0 / samples;
+    CAPTURE(bound);
+    CHECK(std::abs(below - expected) < 5 * std::sqrt(expected * (1 - expected) / samples));
+  }
+}
+
 TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither do the light paths before the first") {
   const Scene scene = load_scene("builtin:caustic");
   const auto image = [&](uint64_t before, int requests_before) {
@@ -195,7 +223,8 @@ TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither d
     settings.max_bounces = 4;
     settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
     settings.camera = scene.cameras.front();
-    RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings);
+    RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings,
+                          {{"light_paths", "2048"}});
     if (before > 0) session.run({.iterations = before});
     if (requests_before > 0) {
       int requests = 0;
@@ -206,10 +235,11 @@ TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither d
     }
     session.run({.iterations = 4 - before});
     CHECK(session.last().samples == 4);
+    CHECK(session.technique().counters().at("guide_photons") > 4 * BIDIRECTIONAL_GUIDE_WINDOW);
     return image_of(session.resolve());
   };
   const std::vector<float> undisturbed = image(0, 0);
-  for (const int requests : {1, 40, 150}) CHECK(image(0, requests) == undisturbed);
+  for (const int requests : {1, 40, 150, 300, 430, 450, 470}) CHECK(image(0, requests) == undisturbed);
   for (const int requests : {5, 20, 35}) CHECK(image(2, requests) == undisturbed);
 }
 
