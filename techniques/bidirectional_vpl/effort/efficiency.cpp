@@ -18,6 +18,7 @@ constexpr double kVertex = 4.5, kConnection = 3.5, kCandidate = 0.09, kLightPath
 
 constexpr int kBlur = 2;                     // pixels to each side
 constexpr uint32_t kBlocks[] = {8, 16, 32};  // pixels along blocks in which light may be missing
+constexpr double kSignificantInBlock = 5;    // standard errors; there are many blocks
 constexpr double kSignificant = 4;           // standard errors; a trial has few samples to estimate them from
 
 double count_of(const std::map<std::string, double>& counters, const char* name) {
@@ -62,7 +63,7 @@ Estimate weighted_light(const TrialImage& image, const PixelWeights& weights, co
   return result;
 }
 
-/// The square of the light that a block lacks in all samples, beyond chance.
+/// The square of the light that a block lacks in all samples, beyond so many standard errors.
 double squared_lack(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights,
                     const Block& block, double significant) {
   const Estimate found = weighted_light(trial, weights, block), expected = weighted_light(reference, weights, block);

@@ -217,7 +217,9 @@ TEST_CASE("guide: narrow lobes have their tails and their middle") {
 
 TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither do the light paths before the first") {
   const Scene scene = load_scene("builtin:caustic");
-  const auto image = [&](uint64_t before, int requests_before) {
+  int requests = 0;
+  // Cancels the next iteration at its request `cancelled_at`, if it is above 0; counts the requests of the iteration.
+  const auto image = [&](uint64_t before, int cancelled_at) {
     RenderSettings settings;
     settings.width = settings.height = 24;
     settings.max_bounces = 4;
@@ -226,21 +228,21 @@ TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither d
     RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings,
                           {{"light_paths", "2048"}});
     if (before > 0) session.run({.iterations = before});
-    if (requests_before > 0) {
-      int requests = 0;
-      session.scheduler().set_cancel([&] { return requests++ >= requests_before; });
-      session.iterate();
-      CHECK(session.last().samples == before);
-      session.scheduler().set_cancel([] { return false; });
-    }
-    session.run({.iterations = 4 - before});
-    CHECK(session.last().samples == 4);
+    requests = 0;
+    session.scheduler().set_cancel([&] { return ++requests == cancelled_at; });
+    session.iterate();
+    session.scheduler().set_cancel([] { return false; });
+    CHECK(session.last().samples == (cancelled_at > 0 ? before : before + 1));
+    while (session.last().samples < 4) session.iterate();
     CHECK(session.technique().counters().at("guide_photons") > 4 * BIDIRECTIONAL_GUIDE_WINDOW);
     return image_of(session.resolve());
   };
-  const std::vector<float> undisturbed = image(0, 0);
-  for (const int requests : {1, 40, 150, 300, 430, 450, 470}) CHECK(image(0, requests) == undisturbed);
-  for (const int requests : {5, 20, 35}) CHECK(image(2, requests) == undisturbed);
+  for (const uint64_t before : {0, 2}) {
+    const std::vector<float> undisturbed = image(before, 0);
+    const int all = requests;
+    // The last ones are in the sample itself.
+    for (const int at : {1, all / 4, all / 2, all - 40, all - 10, all - 1}) CHECK(image(before, at) == undisturbed);
+  }
 }
 
 TEST_CASE("guide: light paths stay where a mirror shows a caustic, and are counted where they guide") {
