@@ -209,8 +209,7 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
 
 size_t estimate_bytes(const BidirectionalParameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const Plan plan = make_plan(parameters, settings);
-  return Parts::estimate_bytes(plan, scene) +
-         (plan.guide && may_be_ideal(scene) ? GuidePhotons::estimate_bytes() : 0) +
+  return Parts::estimate_bytes(plan, scene) + (plan.guide && may_be_ideal(scene) ? GuidePhotons::estimate_bytes() : 0) +
          Trials::estimate_bytes(parameters, scene, settings);
 }
 
