@@ -55,7 +55,7 @@ TEST_CASE("guide: a mirror shows the light of another one on a wall, by Lambert'
   Picture picture;
   picture.width = picture.height = 16;
   picture.max_bounces = 1;
-  picture.iterations = full_run() ? 512 : 32;
+  picture.iterations = full_run() ? 2048 : 32;
   // Roulette from the wall on: it must not end what the guide has made likely.
   const auto estimated = [&](const char* guide) {
     return indirect(scene, picture, {{"light_paths", "8192"}, {"camera_edges", "1"}, {"guide", guide}});
