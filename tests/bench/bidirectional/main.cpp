@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
   };
   number("--rounds", effort.rounds, "measurements of each contestant", 1, 1000);
   number("--width", effort.width, "edge of pictures whose errors are measured [pixels]", 16, 4096);
-  number("--samples", effort.samples, "samples of each of them", 2, 1 << 20);
+  number("--samples", effort.samples, "samples of each of them (of ways that take more rays to one, fewer)", 2,
+         1 << 20);
   number("--reference", effort.reference, "times as many, of each of the two references", 1, 1024);
   number("--seeds", effort.seeds, "pictures of each kind", 2, 64);
   app.add_option("--scene", effort.scene, "the one scene that is rendered beside path_tracing: builtin:NAME or sponza");

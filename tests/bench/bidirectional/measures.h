@@ -8,11 +8,11 @@
 namespace lucarium::bench {
 
 struct Effort {
-  int rounds = 5;           ///< of contestants
-  uint32_t width = 128;     ///< of square pictures whose errors are measured
-  uint32_t samples = 256;   ///< of a picture whose error is measured
-  uint32_t reference = 32;  ///< times as many, of each of two references
-  uint32_t seeds = 5;
+  int rounds = 5;          ///< of contestants
+  uint32_t width = 128;    ///< of square pictures whose errors are measured
+  uint32_t samples = 64;   ///< of a picture whose error is measured
+  uint32_t reference = 4;  ///< times as many, of each of two references
+  uint32_t seeds = 8;
   std::string scene;  ///< of those beside path_tracing; empty: all
 };
 

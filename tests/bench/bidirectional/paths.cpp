@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of path_tracing over those of bidirectional_vpl at equal time, and of its preset bdpt beside.
+// Errors of path_tracing over those of bidirectional_vpl at equal processor time, and of its preset bdpt beside.
 #include <cstdlib>
 #include <filesystem>
 
@@ -13,10 +13,12 @@ constexpr uint64_t kTimesAsMany = 4;  ///< samples of a path-traced picture, who
 
 void measure_scene(Bars& bars, const Effort& effort, const std::string& name, const Scene& scene, double floor,
                    double goal) {
-  const Subject subject(scene, 4, effort, {});
-  const Measured traced = subject.measure("path_tracing", {}, kTimesAsMany * effort.samples);
-  add_ratio(bars, name + ": path_tracing over the default", floor, goal, traced.costs, subject.measure({}).costs);
-  const ConfidenceInterval bdpt = paired_ratio(traced.costs, subject.measure({{"preset", "bdpt"}}).costs);
+  const Subject subject(name, scene, 4, effort, {});
+  const std::vector<Measured> of = subject.measure({{{}, kTimesAsMany * effort.samples, "path_tracing"},
+                                                    {{}, effort.samples},
+                                                    {{{"preset", "bdpt"}}, effort.samples}});
+  add_ratio(bars, name + ": path_tracing over the default", floor, goal, of[0].costs, of[1].costs);
+  const ConfidenceInterval bdpt = paired_ratio(of[0].costs, of[2].costs);
   bars.note(name + ": path_tracing over bdpt", bdpt.mean, "");
   bars.note(name + ": path_tracing over bdpt, 95 % interval from", bdpt.low, "");
   bars.note(name + ": path_tracing over bdpt, 95 % interval to", bdpt.high, "");

@@ -1,37 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "subject.h"
 
+#include <fmt/format.h>
+
 #include "lucarium/statistics/statistics.h"
 
 namespace lucarium::bench {
 
-Subject::Subject(Scene scene, int max_bounces, const Effort& effort, const Parameters& truth, std::string layer)
-    : scene_(std::move(scene)), max_bounces_(max_bounces), effort_(effort), layer_(std::move(layer)) {
-  for (const uint64_t seed : {901u, 902u}) {
-    const auto session = begin("bidirectional_vpl", truth, seed);
-    session->run({.samples = uint64_t{effort.samples} * effort.reference});
-    truth_.push_back(picture_of(*session));
-  }
+Subject::Subject(std::string name, Scene scene, int max_bounces, const Effort& effort, const Parameters& truth,
+                 std::string layer)
+    : name_(std::move(name)),
+      scene_(std::move(scene)),
+      max_bounces_(max_bounces),
+      effort_(effort),
+      layer_(std::move(layer)) {
+  double seconds = 0;
+  for (const uint64_t seed : {901u, 902u})
+    truth_.push_back(render({truth, uint64_t{effort.samples} * effort.reference}, seed, "reference", &seconds));
 }
 
-Measured Subject::measure(const std::string& technique, const Parameters& parameters, uint64_t samples) const {
-  Measured result;
-  for (uint32_t seed = 1; seed <= effort_.seeds; ++seed) {
-    const auto session = begin(technique, parameters, seed);
-    session->run({.samples = samples});
-    result.errors.push_back(error_of(picture_of(*session)));
-    result.costs.push_back(result.errors.back() * session->clocks().iterate);
-  }
-  return result;
+std::vector<Measured> Subject::measure(const std::vector<Way>& ways) const {
+  std::vector<Measured> results(ways.size());
+  for (uint32_t seed = 1; seed <= effort_.seeds; ++seed)
+    for (size_t i = 0; i < ways.size(); ++i) {
+      double seconds = 0;
+      const std::string what = fmt::format("way {} of {}", i + 1, ways.size());
+      const double error = error_of(render(ways[i], seed, what, &seconds));
+      results[i].errors.push_back(error);
+      results[i].costs.push_back(error * seconds);
+    }
+  return results;
 }
 
-std::unique_ptr<RenderSession> Subject::begin(const std::string& technique, const Parameters& parameters,
-                                              uint64_t seed) const {
-  return make_session(technique, scene_, effort_.width, parameters, max_bounces_, seed);
-}
-
-Subject::Picture Subject::picture_of(RenderSession& session) const {
-  const Film film = session.resolve();
+Subject::Picture Subject::render(const Way& way, uint64_t seed, const std::string& what, double* seconds) const {
+  const auto session = make_session(way.technique, scene_, effort_.width, way.parameters, max_bounces_, seed);
+  session->run({.samples = way.samples});
+  *seconds = session->clocks().iterate_processor;
+  fmt::print(stderr, "{}: {}, seed {}, {} samples, {:.1f} s\n", name_, what, seed, way.samples,
+             session->clocks().iterate);
+  const Film film = session->resolve();
   return layer_.empty() ? film.image() : film.find(layer_)->pixels;
 }
 

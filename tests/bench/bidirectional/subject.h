@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products of error and time, which do not depend on how long pictures take: both fall as one over the other. Errors
-// are measured against two independent pictures, whose own noise cancels: <(x - a)(x - b)> is that of x alone.
+// Products of error and processor time, which do not depend on how long pictures take: both fall as one over the other.
+// Errors are measured against two independent pictures, whose own noise cancels: <(x - a)(x - b)> is that of x alone,
+// so that these need not be much better than x.
 #pragma once
 #include <memory>
 #include <string>
@@ -11,30 +12,36 @@
 
 namespace lucarium::bench {
 
-/// Errors of pictures by seed, and their products with the time that each takes [s].
+/// One way to render.
+struct Way {
+  Parameters parameters;
+  uint64_t samples;
+  std::string technique = "bidirectional_vpl";
+};
+
+/// Errors of pictures by seed, and their products with the processor time that each takes [s].
 struct Measured {
   std::vector<double> errors, costs;
 };
 
-/// A scene, what is seen of it, and what is right.
+/// A scene, what is seen of it, and what is right. Says on stderr what it has rendered.
 class Subject {
  public:
   /// The truth is by bidirectional_vpl with parameters `truth`. `layer`: the part of pictures that is compared; empty:
   /// all.
-  Subject(Scene scene, int max_bounces, const Effort& effort, const Parameters& truth, std::string layer = {});
+  Subject(std::string name, Scene scene, int max_bounces, const Effort& effort, const Parameters& truth,
+          std::string layer = {});
 
-  Measured measure(const std::string& technique, const Parameters& parameters, uint64_t samples) const;
-  Measured measure(const Parameters& parameters) const {
-    return measure("bidirectional_vpl", parameters, effort_.samples);
-  }
+  /// The ways take turns, seed by seed.
+  std::vector<Measured> measure(const std::vector<Way>& ways) const;
 
  private:
   using Picture = std::vector<float>;
 
-  std::unique_ptr<RenderSession> begin(const std::string& technique, const Parameters& parameters, uint64_t seed) const;
-  Picture picture_of(RenderSession& session) const;
+  Picture render(const Way& way, uint64_t seed, const std::string& what, double* seconds) const;
   double error_of(const Picture& x) const;
 
+  std::string name_;
   Scene scene_;
   int max_bounces_;
   Effort effort_;
