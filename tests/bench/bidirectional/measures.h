@@ -12,7 +12,7 @@ struct Effort {
   uint32_t width = 128;    ///< of square pictures whose errors are measured
   uint32_t samples = 64;   ///< of a picture whose error is measured
   uint32_t reference = 4;  ///< times as many, of each of two references
-  uint32_t seeds = 8;
+  uint32_t seeds = 6;
   std::string scene;  ///< of those beside path_tracing; empty: all
 };
 
