@@ -57,6 +57,7 @@ bool Parts::prepare_guide() {
   while (!guide_->prepared()) {
     const uint32_t run = kGuideRun + guide_->rounds();
     if (!maps_->fill_lights(frame_.seed, run) || !vertices_->trace(run)) return false;
+    vertices_->complete_guiding();
     guide_->prepare(collect_, plan_.settings.light_paths);
   }
   return true;

@@ -273,12 +273,21 @@ bool LightVertices::trace(uint32_t index) {
 
 void LightVertices::complete() {
   if (plan_.learned) scheduler_.run_to_end(learn_);
+  count_paths();
+  counters_["splats"] += splats_[1];
+}
+
+void LightVertices::complete_guiding() {
+  count_paths();
+  counters_["guide_light_paths"] += plan_.settings.light_paths;
+}
+
+void LightVertices::count_paths() {
   counters_["light_paths"] += plan_.settings.light_paths;
   counters_["light_vertices"] += present_;
   counters_["light_path_rays"] += traced_[0];
   counters_["light_path_misses"] += traced_[1];
   counters_["splat_rays"] += splats_[0];
-  counters_["splats"] += splats_[1];
 }
 
 size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {

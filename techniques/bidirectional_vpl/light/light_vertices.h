@@ -24,6 +24,8 @@ class LightVertices {
   bool trace(uint32_t index);
   /// Counts the iteration and learns from it, once its camera paths are complete, too.
   void complete();
+  /// Counts paths that no camera path is connected to and whose splats enter no image: their only use is to guide.
+  void complete_guiding();
   void set_frame(const Frame& frame) { frame_ = frame; }
   void warm_up() {
     scheduler_.warm_up(schedule_);
@@ -57,6 +59,7 @@ class LightVertices {
   void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
                      const TypedBuffer<EyePathState>& states);
 
+  void count_paths();
   void record_learn();
   void record_sums_by_light(ScheduleRecorder& recorder, const std::string& of, const BufferRef& keys,
                             const BufferRef& values, const BufferRef& light, uint32_t count) const;

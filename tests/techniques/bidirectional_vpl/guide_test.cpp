@@ -219,6 +219,7 @@ TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither d
   const Scene scene = load_scene("builtin:caustic");
   int requests = 0;
   // Cancels the next iteration at its request `cancelled_at`, if it is above 0; counts the requests of the iteration.
+  std::map<std::string, double> counters;  // at the end
   const auto image = [&](uint64_t before, int cancelled_at) {
     RenderSettings settings;
     settings.width = settings.height = 24;
@@ -234,14 +235,46 @@ TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither d
     session.scheduler().set_cancel([] { return false; });
     CHECK(session.last().samples == (cancelled_at > 0 ? before : before + 1));
     while (session.last().samples < 4) session.iterate();
-    CHECK(session.technique().counters().at("guide_photons") > 4 * BIDIRECTIONAL_GUIDE_WINDOW);
+    counters = session.technique().counters();
+    CHECK(counters.at("guide_photons") > 4 * BIDIRECTIONAL_GUIDE_WINDOW);
     return image_of(session.resolve());
   };
   for (const uint64_t before : {0, 2}) {
     const std::vector<float> undisturbed = image(before, 0);
+    const std::map<std::string, double> counted = counters;
     const int all = requests;
     // The last ones are in the sample itself.
-    for (const int at : {1, all / 4, all / 2, all - 40, all - 10, all - 1}) CHECK(image(before, at) == undisturbed);
+    for (const int at : {1, all / 4, all / 2, all - 40, all - 10, all - 1}) {
+      CHECK(image(before, at) == undisturbed);
+      CHECK(counters == counted);
+    }
+  }
+}
+
+TEST_CASE("guide: light paths before the first sample are counted as all others") {
+  const Scene scene = load_scene("builtin:caustic");
+  RenderSettings settings;
+  settings.width = settings.height = 32;
+  settings.max_bounces = 4;
+  settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+  settings.camera = scene.cameras.front();
+  const auto counters = [&](const char* guide) {
+    RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings,
+                          {{"light_paths", "4096"}, {"guide", guide}});
+    session.run({.iterations = 2});
+    return session.technique().counters();
+  };
+  const auto with = counters("on"), without = counters("off");
+  CHECK(without.count("guide_light_paths") == 0);
+  CHECK(without.at("light_paths") == 2 * 4096);
+  const double before = with.at("guide_light_paths");
+  CHECK(before >= 2 * 4096);
+  CHECK(with.at("light_paths") == 2 * 4096 + before);
+  // A path has as many rays and vertices as one of a sample.
+  for (const char* const name : {"light_path_rays", "light_vertices", "splat_rays"}) {
+    CAPTURE(name);
+    const double expected = without.at(name) / without.at("light_paths");
+    CHECK(with.at(name) / with.at("light_paths") == within(expected, 0.05 * expected));
   }
 }
 
