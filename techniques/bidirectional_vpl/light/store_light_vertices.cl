@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices of light paths, kept with their BSDFs: the virtual lights, VPLs (Tokuyoshi and Ogaki 2012, section 4.1).
+#define LUCARIUM_JOINED
 #include "bidirectional_vpl/base/eye_directions.clh"
 #include "bidirectional_vpl/light/path_lights.clh"
 #include "lucarium/path_vertex.clh"
