@@ -74,6 +74,7 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   info.max_work_group_size = value_of<size_t>(device, CL_DEVICE_MAX_WORK_GROUP_SIZE);
   info.native_float_lanes = value_of<cl_uint>(device, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT);
   info.base_alignment_bytes = std::max<size_t>(value_of<cl_uint>(device, CL_DEVICE_MEM_BASE_ADDR_ALIGN) / 8, 1);
+  info.overlapping_parts = info.platform != "NVIDIA CUDA";
   info.is_pocl = info.platform == "Portable Computing Language" || info.platform.find("PoCL") != std::string::npos;
   return info;
 }

@@ -26,6 +26,7 @@ struct DeviceInfo {
   size_t max_work_group_size = 0;
   unsigned native_float_lanes = 1;    ///< of a vector register: 16 with AVX-512, 8 with AVX2
   size_t base_alignment_bytes = 128;  ///< of sub-buffers
+  bool overlapping_parts = true;      ///< sub-buffers of one buffer may overlap; NVIDIA's driver crashes with them
   bool is_pocl = false;
 };
 

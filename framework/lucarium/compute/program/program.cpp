@@ -17,6 +17,7 @@
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"
 #include "lucarium/compute/program/kernel_reflection.h"
+#include "lucarium/compute/program/line_names.h"
 #include "lucarium/compute/program/pocl_files.h"
 #include "lucarium/compute/program/source_library.h"
 
@@ -56,13 +57,14 @@ std::string build_options(const ProgramSpec& spec) {
   return std::string("-cl-std=CL1.2 -cl-kernel-arg-info") + (spec.mad_enable ? " -cl-mad-enable" : "");
 }
 
-std::string build_log(cl_program program, const Device& device) {
+/// What the compiler said of `source`.
+std::string build_log(cl_program program, const Device& device, const std::string& source) {
   size_t bytes = 0;
   if (clGetProgramBuildInfo(program, device.id(), CL_PROGRAM_BUILD_LOG, 0, nullptr, &bytes) != CL_SUCCESS) return "";
   std::string log(bytes, '\0');
   clGetProgramBuildInfo(program, device.id(), CL_PROGRAM_BUILD_LOG, bytes, log.data(), nullptr);
   log.resize(std::min(log.find('\0'), log.size()));
-  return log;
+  return name_lines(log, source);
 }
 
 /// The compiler's first error with file and line, or the first line that says anything.
@@ -80,16 +82,16 @@ std::string first_error(const std::string& log) {
   return fallback.empty() ? "the driver gives no reason" : fallback;
 }
 
-void build(cl_program program, const Device& device, const ProgramSpec& spec) {
+void build(cl_program program, const Device& device, const ProgramSpec& spec, const std::string& source) {
   const cl_device_id id = device.id();
   const cl_int code = clBuildProgram(program, 1, &id, build_options(spec).c_str(), nullptr, nullptr);
   if (code == CL_BUILD_PROGRAM_FAILURE) {
-    const std::string log = build_log(program, device);
+    const std::string log = build_log(program, device, source);
     throw Error(ErrorClass::device, fmt::format("program {} does not compile: {}", spec.name, first_error(log)))
         .with_details(fmt::format("build log of {} on {}:\n{}", spec.name, device.info().name, log));
   }
   check_opencl(code, "clBuildProgram", "program " + spec.name, device);
-  const std::string log = build_log(program, device);
+  const std::string log = build_log(program, device, source);
   if (log.find("warning:") != std::string::npos) log_debug("program {}: {}", spec.name, log);
 }
 
@@ -181,7 +183,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
       if (has_driver_files()) restore_driver_files(key, *entry);
       program = entry->binary.empty() ? create_from_source(*device, spec, source)
                                       : create_from_binary(*device, spec, entry->binary);
-      build(program.get(), *device, spec);
+      build(program.get(), *device, spec, source);
     } catch (const std::exception& error) {
       log_debug("program cache: {} is rebuilt: {}", spec.name, error.what());
       program = ClProgram();
@@ -197,9 +199,9 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
   void compile(const ProgramSpec& spec, const std::string& source) {
     program = create_from_source(*device, spec, source);
     if (has_driver_files()) {
-      driver_program = program_made_by(key, [&] { build(program.get(), *device, spec); });
+      driver_program = program_made_by(key, [&] { build(program.get(), *device, spec, source); });
     } else {
-      build(program.get(), *device, spec);
+      build(program.get(), *device, spec, source);
     }
     CachedProgram entry;
     entry.signatures = reflect_kernels(*device, program.get(), spec.name);

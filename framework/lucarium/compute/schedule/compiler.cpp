@@ -166,8 +166,10 @@ void ScheduleCompiler::plan_transients() {
                   recorded_.name, resource(life.transient).name, first.name);
     }
   }
-  state_->memory.emplace(device(), recorded_.name, recorded_.owner, std::move(specs), std::move(lives),
-                         recorded_.debug_memory);
+  const TransientLayout layout = recorded_.debug_memory              ? TransientLayout::debug
+                                 : device().info().overlapping_parts ? TransientLayout::packed
+                                                                     : TransientLayout::whole;
+  state_->memory.emplace(device(), recorded_.name, recorded_.owner, std::move(specs), std::move(lives), layout);
 }
 
 int ScheduleCompiler::life_at(int transient, size_t step) const {

@@ -16,14 +16,14 @@ constexpr cl_uchar guard_byte = 0xA5;
 }  // namespace
 
 TransientMemory::TransientMemory(Device& device, std::string schedule, std::string owner,
-                                 std::vector<TransientSpec> specs, std::vector<LiveRange> lives, bool debug)
+                                 std::vector<TransientSpec> specs, std::vector<LiveRange> lives, TransientLayout layout)
     : device_(&device),
       schedule_(std::move(schedule)),
       owner_(std::move(owner)),
       specs_(std::move(specs)),
       lives_(std::move(lives)),
-      debug_(debug),
-      guard_bytes_(debug ? std::max<size_t>(1024, device.info().base_alignment_bytes) : 0),
+      layout_(layout),
+      guard_bytes_(debug() ? std::max<size_t>(1024, device.info().base_alignment_bytes) : 0),
       bytes_(lives_.size(), 0),
       places_(lives_.size()),
       slot_of_(lives_.size(), -1),
@@ -41,7 +41,7 @@ TransientMemory::TransientMemory(Device& device, std::string schedule, std::stri
   const std::vector<int> slots = assign_slots(counted);
   int slot_count = 0;
   for (size_t i = 0; i < counted.size(); ++i) {
-    slot_of_[counted_index[i]] = debug ? static_cast<int>(i) : slots[i];
+    slot_of_[counted_index[i]] = debug() ? static_cast<int>(i) : slots[i];
     slot_count = std::max(slot_count, slot_of_[counted_index[i]] + 1);
   }
   slots_.resize(static_cast<size_t>(slot_count));
@@ -58,11 +58,13 @@ void TransientMemory::allocate_arenas() {
     index.push_back(i);
   }
   ArenaPlan plan;
-  if (debug_) {
+  if (debug()) {
     for (size_t i = 0; i < fixed.size(); ++i) {
       plan.placements.push_back({static_cast<int>(i), guard_bytes_});
       plan.arena_bytes.push_back(sizes[i] + 2 * guard_bytes_);
     }
+  } else if (layout_ == TransientLayout::whole) {
+    plan = place_lives_apart(fixed, sizes);
   } else {
     plan = place_lives(fixed, sizes, device_->info().base_alignment_bytes, device_->memory().single_bytes());
   }
@@ -79,7 +81,8 @@ void TransientMemory::allocate_arenas() {
   for (size_t i = 0; i < fixed.size(); ++i) {
     places_[index[i]] = plan.placements[i];
     const Buffer& arena = arenas_[static_cast<size_t>(plan.placements[i].arena)];
-    sub_buffers_[index[i]] = sub_buffer(arena, plan.placements[i].offset, sizes[i]);
+    if (layout_ != TransientLayout::whole)
+      sub_buffers_[index[i]] = sub_buffer(arena, plan.placements[i].offset, sizes[i]);
   }
 }
 
@@ -100,7 +103,10 @@ MemoryAccess TransientMemory::range(int life) const {
 
 cl_mem TransientMemory::handle(int life) const {
   const int slot = slot_of_[static_cast<size_t>(life)];
-  if (slot < 0) return sub_buffers_[static_cast<size_t>(life)].get();
+  if (slot < 0) {
+    const ClMem& part = sub_buffers_[static_cast<size_t>(life)];
+    return part ? part.get() : parent(life).handle();
+  }
   const Slot& owner = slots_[static_cast<size_t>(slot)];
   if (owner.inner) return owner.inner.get();
   return owner.buffer ? owner.buffer.handle() : nullptr;

@@ -17,19 +17,24 @@ struct TransientSpec {
   std::string remedy;
 };
 
-/// Device memory for the lives of a schedule's transients. Lives of known size are sub-buffers of arenas; counted
-/// ones use whole buffers ("slots") that grow. In debug mode nothing is shared, memory is poisoned where a life begins
-/// and lies between guard zones.
+enum class TransientLayout {
+  packed,  ///< sub-buffers of arenas, which overlap where their lives do not
+  whole,   ///< one life at a time has an arena to itself: for drivers that crash with sub-buffers that overlap
+  debug,   ///< nothing is shared; memory is poisoned where a life begins and lies between guard zones
+};
+
+/// Device memory for the lives of a schedule's transients. Lives of known size lie in arenas; counted ones use whole
+/// buffers ("slots") that grow.
 class TransientMemory {
  public:
   /// `specs` by transient. Throws Error{device} when the memory does not suffice.
   TransientMemory(Device& device, std::string schedule, std::string owner, std::vector<TransientSpec> specs,
-                  std::vector<LiveRange> lives, bool debug);
+                  std::vector<LiveRange> lives, TransientLayout layout);
 
   const std::vector<LiveRange>& lives() const { return lives_; }
   bool is_counted(int life) const { return spec(life).counted; }
   const std::string& name(int life) const { return spec(life).name; }
-  bool debug() const { return debug_; }
+  bool debug() const { return layout_ == TransientLayout::debug; }
 
   /// The physical bytes of a life, for dependencies; `memory` numbers arenas and slots.
   MemoryAccess range(int life) const;
@@ -71,13 +76,13 @@ class TransientMemory {
   std::string schedule_, owner_;
   std::vector<TransientSpec> specs_;
   std::vector<LiveRange> lives_;
-  bool debug_;
+  TransientLayout layout_;
   size_t guard_bytes_;
   std::vector<size_t> bytes_;      ///< by life
   std::vector<Placement> places_;  ///< by life; arena -1: counted
   std::vector<int> slot_of_;       ///< by life; -1: in an arena
   std::vector<Buffer> arenas_;
-  std::vector<ClMem> sub_buffers_;  ///< by life
+  std::vector<ClMem> sub_buffers_;  ///< by life; none where a life has an arena to itself
   std::vector<Slot> slots_;
 };
 

@@ -75,6 +75,17 @@ ArenaPlan place_lives(const std::vector<LiveRange>& lives, const std::vector<siz
   return plan;
 }
 
+ArenaPlan place_lives_apart(const std::vector<LiveRange>& lives, const std::vector<size_t>& bytes) {
+  ArenaPlan plan;
+  for (const int arena : assign_slots(lives)) {
+    const auto index = static_cast<size_t>(arena);
+    if (index >= plan.arena_bytes.size()) plan.arena_bytes.resize(index + 1, 0);
+    plan.arena_bytes[index] = std::max(plan.arena_bytes[index], bytes[plan.placements.size()]);
+    plan.placements.push_back({arena, 0});
+  }
+  return plan;
+}
+
 std::vector<int> assign_slots(const std::vector<LiveRange>& lives) {
   std::vector<size_t> order(lives.size());
   std::iota(order.begin(), order.end(), size_t{0});

@@ -2,6 +2,7 @@
 #include "lucarium/services/layered_raster/layered_raster.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <span>
 
@@ -14,9 +15,10 @@ namespace lucarium {
 
 namespace {
 
-constexpr uint32_t lanes = 16;               // pixels per row of a tile
-constexpr uint32_t chunks = 16;              // runs of triangles binned in parallel
-constexpr uint32_t slice_pixels = 1u << 22;  // of the image between two checks for an interrupt
+constexpr uint32_t lanes = 16;                 // pixels per row of a tile
+constexpr uint32_t chunks = 16;                // runs of triangles binned in parallel
+constexpr uint32_t slice_pixels = 1u << 22;    // of the image between two checks for an interrupt
+constexpr uint32_t row_layers_elsewhere = 16;  // than on a processor, see LayeredRasterOptions
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
@@ -46,12 +48,18 @@ LayeredRaster::State::State(KernelScheduler& scheduler_, const SceneBuffers& sce
       options.max_height > LAYERED_MAX_EDGE)
     throw_error(ErrorClass::usage, "layered raster: {} x {} pixels, each side must be 1 to {}", options.max_width,
                 options.max_height, LAYERED_MAX_EDGE);
+  if (options.row_layers == 0)
+    options.row_layers = scheduler.device().info().type == DeviceType::cpu ? LAYERED_MAX_LAYERS : row_layers_elsewhere;
+  if (options.row_layers < 4 || options.row_layers > LAYERED_MAX_LAYERS || !std::has_single_bit(options.row_layers))
+    throw_error(ErrorClass::usage, "layered raster: {} layers in a row, must be 4, 8, 16, 32 or 64",
+                options.row_layers);
   follow();
 }
 
 std::map<std::string, std::string> LayeredRaster::State::defines() const {
   std::map<std::string, std::string> result = {{"LAYERED_LANES", std::to_string(lanes)},
-                                               {"LAYERED_CHUNKS", std::to_string(chunks) + "u"}};
+                                               {"LAYERED_CHUNKS", std::to_string(chunks) + "u"},
+                                               {"LAYERED_MAX_LAYERS", std::to_string(options.row_layers) + "u"}};
   if (options.perspective) result["LAYERED_PERSPECTIVE"] = "";
   if (options.conservative) result["LAYERED_CONSERVATIVE"] = "";
   if (options.portable) result["LAYERED_PORTABLE"] = "";

@@ -19,7 +19,10 @@ const Program& LayeredRaster::State::consumer(const std::string& file, uint32_t 
   if (!found) {
     std::map<std::string, std::string> all = defines();
     all["LAYERED_DEPTH"] = "";
-    if (keep > 0) all["LAYERED_KEEP"] = std::to_string(keep) + "u";
+    if (keep > 0) {
+      all["LAYERED_KEEP"] = std::to_string(keep) + "u";
+      all["LAYERED_MAX_LAYERS"] = std::to_string(std::max(keep, options.row_layers)) + "u";
+    }
     found = Program(scheduler.device(), SourceLibrary(),
                     {.name = "services/layered_raster/" + file,
                      .files = {"lucarium/services/layered_raster/" + file + ".cl"},

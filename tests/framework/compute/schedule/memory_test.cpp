@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "lucarium/compute/schedule/transient_memory.h"
 #include "schedule_fixture.h"
 
 using namespace lucarium;
@@ -289,4 +290,26 @@ TEST_CASE("debug mode shares nothing and poisons what nobody wrote") {
   const Uints values = result.download();
   CHECK(values[0] == 0);
   CHECK(values[5] == 0x7FC0DEADu * 2654435761u + 5);
+}
+
+TEST_CASE("whole arenas: lives share one only after each other, none is part of another, and the ranges say so") {
+  const std::vector<LiveRange> lives = {{0, 0, 1}, {1, 1, 2}, {2, 2, 3}};
+  const TransientMemory memory(*test_device(), "whole", "test",
+                               {{"first", 4000, false, ""}, {"second", 1000, false, ""}, {"third", 6000, false, ""}},
+                               lives, TransientLayout::whole);
+  CHECK(memory.memory_count() == 2);
+  CHECK(memory.handle(0) == memory.handle(2));
+  CHECK(memory.handle(0) != memory.handle(1));
+  CHECK(memory.range(0).begin == 0);
+  CHECK(memory.range(2).end == 6000);
+  CHECK(memory.allocated_bytes() == 7000);
+  for (int life = 0; life < 3; ++life) {
+    cl_mem parent = nullptr;
+    size_t bytes = 0;
+    REQUIRE(clGetMemObjectInfo(memory.handle(life), CL_MEM_ASSOCIATED_MEMOBJECT, sizeof parent, &parent, nullptr) ==
+            CL_SUCCESS);
+    CHECK(parent == nullptr);
+    REQUIRE(clGetMemObjectInfo(memory.handle(life), CL_MEM_SIZE, sizeof bytes, &bytes, nullptr) == CL_SUCCESS);
+    CHECK(bytes >= (life == 1 ? 1000 : 6000));
+  }
 }

@@ -75,7 +75,11 @@ TEST_CASE("random lives: aligned, below the limit, never overlapping in time and
     unavoidable += static_cast<double>(peak_bytes(lives, bytes, steps));
 
     const std::vector<int> slots = assign_slots(lives);
+    const ArenaPlan apart = place_lives_apart(lives, bytes);
     for (size_t a = 0; a < lives.size(); ++a) {
+      REQUIRE(apart.placements[a].arena == slots[a]);
+      REQUIRE(apart.placements[a].offset == 0);
+      REQUIRE(bytes[a] <= apart.arena_bytes[static_cast<size_t>(slots[a])]);
       for (size_t b = 0; b < a; ++b) REQUIRE_FALSE((slots[a] == slots[b] && lives[a].overlaps(lives[b])));
     }
     const size_t fewest = peak_bytes(lives, std::vector<size_t>(lives.size(), 1), steps);

@@ -41,6 +41,10 @@ TEST_CASE("variants") {
     // Grows: one node per pixel never suffices.
     CHECK(same_layers(scene.store(view, {.variant = LayeredVariant::linked_list, .list_capacity = 1}), tiles));
 
+    LayeredScene few(scene_of(image_triangles(count, width, height, count)),
+                     {.max_width = width, .max_height = height, .row_layers = 4});
+    CHECK(same_layers(few.store(view), tiles));
+
     for (const uint32_t keep : {1u, 3u, 64u}) {
       CAPTURE(keep);
       const HostLayers kept = scene.store(view, {.variant = LayeredVariant::k_buffer, .keep = keep});
