@@ -35,6 +35,8 @@ class Bars {
 
 /// Sweeps alone: kept fragments, rays, lamps, sky, threads.
 void measure_sweeps(Bars& bars, const Sizes& sizes);
+/// What the passes of a line of a sweep take.
+void measure_lines(const Sizes& sizes);
 /// Frames of walks, what they look up, loaded fields, bytes of cells.
 void measure_frames(Bars& bars, const Sizes& sizes);
 /// A frame of a walk beside paths and rays: the first of these.

@@ -16,8 +16,10 @@ int main(int argc, char** argv) {
   std::vector<std::string> parts = {"sweeps", "frames", "errors"};
   std::string json;
   CLI::App app("The ratios that virtual_light_field is judged by, with floors and goals");
-  app.add_option("parts", parts, "what is measured (walk: the first of frames; passes: device time of their passes)")
-      ->check(CLI::IsMember({"sweeps", "frames", "errors", "walk", "passes"}));
+  app.add_option("parts", parts,
+                 "what is measured (walk: the first of frames; passes: device time of their passes; lines: that of "
+                 "sweeps)")
+      ->check(CLI::IsMember({"sweeps", "frames", "errors", "walk", "passes", "lines"}));
   app.add_option("--rounds", sizes.rounds, "measurements of each contestant")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -42,6 +44,7 @@ int main(int argc, char** argv) {
     if (asked("frames")) measure_frames(bars, sizes);
     if (asked("walk")) measure_walk(bars, sizes);
     if (asked("passes")) measure_passes(sizes);
+    if (asked("lines")) measure_lines(sizes);
     if (asked("errors")) measure_errors(bars, sizes);
     if (!json.empty() && !(std::ofstream(json) << bars.json()))
       throw std::runtime_error(json + ": cannot be written; give another file");

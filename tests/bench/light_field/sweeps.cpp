@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sweeps of fields, one after the other, without pictures.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "bars.h"
@@ -147,7 +150,40 @@ void measure_lights(Bars& bars, const Sizes& sizes) {
   bars.add("three sweeps, with sky over without", 1.2, 1.05, ratio(skies), true);
 }
 
+/// Device time of each pass of a line, of `rounds` sweeps [ms].
+void show_line(const std::string& name, const Sizes& sizes, test::FieldRig& rig, const std::function<void()>& run) {
+  run();
+  rig.scheduler().reset_profile();
+  for (int round = 0; round < sizes.rounds; ++round) run();
+  const double lines = sizes.rounds * static_cast<double>(rig.field().maps().host_lines().size());
+  double sum = 0;
+  fmt::print("{}\n", name);
+  for (const PassProfile& pass : rig.scheduler().profile().passes) {
+    const double each = 1e3 * pass.device_seconds / lines;
+    sum += each;
+    if (each > 5e-3) fmt::print("  {:8.3f} ms  {}\n", each, pass.name);
+  }
+  fmt::print("  {:8.3f} ms  all\n", sum);
+}
+
 }  // namespace
+
+void measure_lines(const Sizes& sizes) {
+  vlf::Parameters parameters = endless(3, static_cast<int>(sizes.subfield / 8));
+  parameters.supersample = vlf::Supersample::eight;
+  const Scene scene = lit_room();
+  for (const size_t cache : {size_t{0}, kCache}) {
+    const auto rig = make_rig(scene, parameters, cache);
+    show_line(cache > 0 ? "room, fragments kept" : "room, by raster", sizes, *rig, [&] { sweep(*rig); });
+  }
+  for (const char* name : {"builtin:lamps-1", "builtin:lamps-100"}) {
+    const auto rig = make_rig(load_scene(name), endless(sizes.dir_n, 0));
+    show_line(std::string(name) + ", three sweeps", sizes, *rig, [&] {
+      rig->restart();
+      rig->propagate(3);
+    });
+  }
+}
 
 void measure_sweeps(Bars& bars, const Sizes& sizes) {
   measure_rays(bars, sizes);
