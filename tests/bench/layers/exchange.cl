@@ -13,6 +13,7 @@ typedef struct Exchange {
 #include "lucarium/services/layered_raster/atlas.clh"
 #define LAYERED_CONSUMER Exchange
 #define LAYERED_EARLY
+#define LAYERED_NARROW
 #define LAYERED_PAYLOAD LayeredAtlasCell
 #include "lucarium/services/layered_raster/tiles.clh"
 
@@ -29,6 +30,10 @@ LayeredAtlasCell layered_payload(Exchange* exchange, uint triangle, const Layere
 
 LayeredUint layered_payload_row(const LayeredAtlasCell* cell, float row, LayeredFloat w) {
   return layered_atlas_cells(cell, row, w);
+}
+LayeredHalfUint layered_payload_half(const LayeredAtlasCell* cell, LayeredHalfFloat lane, float row,
+                                     LayeredHalfFloat w) {
+  return layered_atlas_half_cells(cell, lane, row, w);
 }
 
 // The texel side of a texel's back.

@@ -14,11 +14,15 @@ typedef struct LayeredStore {
 } LayeredStore;
 #define LAYERED_CONSUMER LayeredStore
 #define LAYERED_STORES  // rows with more layers than fit: crowded_rows.clh
+#define LAYERED_NARROW
 #define LAYERED_PAYLOAD uint
 #include "lucarium/services/layered_raster/tiles.clh"
 
 uint layered_payload(LayeredStore* store, uint triangle, const LayeredPlanes* planes) { return triangle; }
 LayeredUint layered_payload_row(const uint* triangle, float row, LayeredFloat w) { return (LayeredUint)(*triangle); }
+LayeredHalfUint layered_payload_half(const uint* triangle, LayeredHalfFloat lane, float row, LayeredHalfFloat w) {
+  return (LayeredHalfUint)(*triangle);
+}
 void layered_prepare(LayeredStore* store, LayeredRow* row) {}
 
 void layered_consume(LayeredStore* store, const LayeredRow* row) {

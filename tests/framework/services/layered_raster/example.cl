@@ -10,6 +10,7 @@ typedef struct Weight {
   float4 plane;
 } Weight;
 #define LAYERED_CONSUMER Gaps
+#define LAYERED_NARROW
 #define LAYERED_PAYLOAD Weight
 #include "lucarium/services/layered_raster/tiles.clh"
 
@@ -21,6 +22,11 @@ Weight layered_payload(Gaps* gaps, uint triangle, const LayeredPlanes* planes) {
 LayeredUint layered_payload_row(const Weight* weight, float row, LayeredFloat w) {
   const LayeredFloat value = layered_plane(weight->plane, row) * w;
   return layered_to_uint(value > 0.0f ? value : (LayeredFloat)(0.0f));
+}
+
+LayeredHalfUint layered_payload_half(const Weight* weight, LayeredHalfFloat lane, float row, LayeredHalfFloat w) {
+  const LayeredHalfFloat value = layered_half_plane(weight->plane, lane, row) * w;
+  return layered_half_to_uint(value > 0.0f ? value : (LayeredHalfFloat)(0.0f));
 }
 
 void layered_prepare(Gaps* gaps, LayeredRow* row) {}
