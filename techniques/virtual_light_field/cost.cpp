@@ -21,7 +21,7 @@ constexpr double kSideLightSeconds = 1.8e-5;      // a texel's first light sampl
 constexpr double kFirstLightSamples = 64;         // so many
 constexpr double kSubfieldPixelSeconds = 1.5e-7;  // a pixel of a subfield, in a sweep
 constexpr double kKeptPixelSeconds = 3e-8;        // the same where fragments are kept
-constexpr double kKeptFragmentSeconds = 4e-8;     // a kept fragment, in a sweep
+constexpr double kKeptEndSeconds = 4e-8;          // a kept end of a ray, in a sweep
 constexpr double kTriangleSeconds = 1e-7;         // a triangle, in a line: its setup, and its pixels
 constexpr double kKeepingSubfields = 1.5;         // what keeping a subfield takes, of drawing it
 constexpr double kPixelSeconds = 2e-6;            // a sample of a pixel
@@ -60,9 +60,9 @@ SubfieldPlan expected_subfield(const Plan& plan, const Parameters& parameters, c
                        0);
 }
 
-/// For all fragments, whether or not that many may be kept [bytes].
-size_t fragment_bytes(const Parameters& parameters, const SubfieldPlan& subfield, double area) {
-  return KeptRows::estimate_bytes(LightField::estimate_fragments(
+/// For all ends of rays, whether or not that many may be kept [bytes].
+size_t kept_bytes(const Parameters& parameters, const SubfieldPlan& subfield, double area) {
+  return KeptRows::estimate_bytes(LightField::estimate_ends(
       static_cast<uint32_t>(parameters.dir_n), static_cast<uint32_t>(parameters.perturb), subfield.pixel(), area));
 }
 
@@ -89,13 +89,12 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
                  edge = std::ldexp(subfield.cells, static_cast<int>(subfield.shift));
     const double sweeps = plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps;
     const double drawn = edge * edge * kSubfieldPixelSeconds + triangles * kTriangleSeconds,
-                 kept = kKeptFragmentSeconds *
-                        LightField::estimate_fragments(static_cast<uint32_t>(parameters.dir_n), 1, subfield.pixel(),
-                                                       SurfaceAtlas::surface_area(scene)) /
+                 kept = kKeptEndSeconds *
+                        LightField::estimate_ends(static_cast<uint32_t>(parameters.dir_n), 1, subfield.pixel(),
+                                                  SurfaceAtlas::side_area(scene)) /
                         lines;
-    const bool keeps =
-        keeps_any(plan, scene) && fragment_bytes(parameters, subfield, SurfaceAtlas::surface_area(scene)) <=
-                                      static_cast<size_t>(parameters.cache_visibility) << 20;
+    const bool keeps = keeps_any(plan, scene) && kept_bytes(parameters, subfield, SurfaceAtlas::side_area(scene)) <=
+                                                     static_cast<size_t>(parameters.cache_visibility) << 20;
     const double subfield_seconds = keeps ? kKeepingSubfields * drawn + sweeps * kept : (sweeps + 1) * drawn;
     const double previews =
         parameters.preview ? LightField::estimate_preview_subfields(field_options(plan, parameters)) : 0;
@@ -142,7 +141,7 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
                  LightField::estimate_bytes(sides, plan.halves) + raster(1 + (has_cells ? 1 : 0) + (keeps ? 1 : 0));
   if (keeps)
     field += std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
-                      fragment_bytes(parameters, subfield, SurfaceAtlas::surface_area(scene)));
+                      kept_bytes(parameters, subfield, SurfaceAtlas::side_area(scene)));
   if (has_cells) {
     field += cell_bytes(parameters, expect_cells(scene, tiled, patch_options(parameters, subfield),
                                                  SurfaceAtlas::estimate_edge(scene, plan.atlas), subfield.cells,

@@ -44,23 +44,37 @@ void bundle_expect(Exchange* exchange, uint texel) {
   LUCARIUM_PREFETCH(exchange->accessibility + (size_t)texel * SIDE_PART_WORDS);
 }
 
-#include "lucarium/services/layered_raster/kept_rows.clh"
+#include "lucarium/services/texel_sides/kept_rows.clh"
 
-void layered_expect(Exchange* exchange, uint payload) { bundle_expect(exchange, payload & BUNDLE_TEXEL); }
+// Where a ray ends at a texel side.
+typedef struct RayEnd {
+  uint side;       // LUCARIUM_NONE: it is black
+  uint half_side;  // which of its halves
+  float accessibility;
+} RayEnd;
 
-// The record of the half of a side that a part belongs to.
-size_t record_of(const Exchange* exchange, FragmentSide end) {
+RayEnd ray_end(const Exchange* exchange, uint payload, bool front) {
+  const FragmentSide end = fragment_side(exchange, payload, front);
+  RayEnd result = {end.side, end.side, 0.0f};
+  if (end.side == LUCARIUM_NONE) return result;
 #ifdef SIDE_HALVES
-  return 2u * (size_t)half_of_part(exchange->covered, exchange->sides, end.side, end.part);
-#else
-  return 2u * (size_t)end.side;
+  result.half_side = half_of_part(exchange->covered, exchange->sides, end.side, end.part);
 #endif
+  result.accessibility = part_accessibility(exchange->accessibility, end.side, end.part);
+  return result;
 }
 
-// One end of a ray in the scene.
+RayEnd kept_end(const Exchange* exchange, uint end) {
+  RayEnd result = {KEPT_HALF(end), KEPT_HALF(end), level_accessibility(KEPT_LEVEL(end))};
+#ifdef SIDE_HALVES
+  if (result.side >= exchange->sides) result.side -= exchange->sides;
+#endif
+  return result;
+}
+
+// One end of a ray in the scene, with what it exchanges.
 typedef struct FieldEnd {
-  uint side;      // LUCARIUM_NONE: black
-  size_t record;  // of the side, or of its half
+  size_t record;  // of its half of a texel side
   uint cell;      // LUCARIUM_NONE: none
   float weight;   // what the ray counts in the irradiance of the side
   float3 leaves;  // radiance along the ray
@@ -71,19 +85,12 @@ typedef struct FieldEnd {
 } FieldEnd;
 
 // backwards: the side is seen from -omega.
-LUCARIUM_FLATTEN FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint backwards) {
+LUCARIUM_FLATTEN FieldEnd field_end(const Exchange* exchange, RayEnd end, uint2 pixel, uint backwards) {
   FieldEnd result;
-  result.side = end.side;
   result.cell = LUCARIUM_NONE;
-  result.weight = 0.0f;
-  result.leaves = (float3)(0.0f);
-#ifdef FIELD_LEVELS
-  result.level = 0u;
-#endif
-  if (end.side == LUCARIUM_NONE) return result;
-  result.record = record_of(exchange, end);
+  result.record = 2u * (size_t)end.half_side;
   const float4 record = exchange->records[result.record];
-  result.weight = exchange->weight * part_accessibility(exchange->accessibility, end.side, end.part);
+  result.weight = exchange->weight * end.accessibility;
   result.leaves = record.xyz;
 #ifdef FIELD_LEVELS
   result.facet = as_uint(record.w);
@@ -114,7 +121,6 @@ LUCARIUM_FLATTEN FieldEnd field_end(const Exchange* exchange, FragmentSide end, 
 
 // `radiance` arrives; `rays`: what it counts of one.
 void receive(Exchange* exchange, FieldEnd end, float3 radiance, float rays) {
-  if (end.side == LUCARIUM_NONE) return;
   exchange->records[end.record + 1u] += end.weight * (float4)(radiance, rays);
 #ifdef FIELD_LEVELS
   if (end.level > 0u)
@@ -128,24 +134,34 @@ void receive(Exchange* exchange, FieldEnd end, float3 radiance, float rays) {
 #endif
 }
 
+// A ray from the sky.
+void receive_outside(Exchange* exchange, RayEnd end, uint2 pixel, uint backwards) {
+  receive(exchange, field_end(exchange, end, pixel, backwards), backwards ? exchange->from_near : exchange->from_far,
+          1.0f);
+}
+
 LUCARIUM_FLATTEN void layered_ray_begins(Exchange* exchange, uint2 pixel, uint payload, bool front) {
-  receive(exchange, field_end(exchange, fragment_side(exchange, payload, front), pixel, 1u), exchange->from_near, 1.0f);
+  const RayEnd end = ray_end(exchange, payload, front);
+  if (end.side != LUCARIUM_NONE) receive_outside(exchange, end, pixel, 1u);
 }
 
 LUCARIUM_FLATTEN void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
-  const FieldEnd near = field_end(exchange, fragment_side(exchange, gap.near, gap.near_front), gap.pixel, 0u);
-  const FieldEnd far = field_end(exchange, fragment_side(exchange, gap.far, gap.far_front), gap.pixel, 1u);
-  if (near.side == LUCARIUM_NONE || far.side == LUCARIUM_NONE) {
+  const RayEnd near_end = ray_end(exchange, gap.near, gap.near_front);
+  const RayEnd far_end = ray_end(exchange, gap.far, gap.far_front);
+  if (near_end.side == LUCARIUM_NONE || far_end.side == LUCARIUM_NONE) {
     // The back of a single-sided surface: black, and counted unless the ray began in a hidden place.
-    const FieldEnd end = near.side == LUCARIUM_NONE ? far : near;
-    if (end.side != LUCARIUM_NONE) receive(exchange, end, (float3)(0.0f), exchange->interior[end.side].y);
+    const uint backwards = near_end.side == LUCARIUM_NONE ? 1u : 0u;
+    const RayEnd end = backwards ? far_end : near_end;
+    if (end.side != LUCARIUM_NONE)
+      receive(exchange, field_end(exchange, end, gap.pixel, backwards), (float3)(0.0f), exchange->interior[end.side].y);
     return;
   }
+  const FieldEnd near = field_end(exchange, near_end, gap.pixel, 0u), far = field_end(exchange, far_end, gap.pixel, 1u);
   float3 to_near = far.leaves, to_far = near.leaves;
 #ifdef FIELD_MEDIA
   // Where one looks into a volume, so does the other, though only its own walls know it (medium.clh).
   const float3 share = exp(-(float)gap.length * exchange->step *
-                           fmax(exchange->extinction[near.side].xyz, exchange->extinction[far.side].xyz));
+                           fmax(exchange->extinction[near_end.side].xyz, exchange->extinction[far_end.side].xyz));
   to_near *= share;
   to_far *= share;
 #endif
@@ -154,7 +170,30 @@ LUCARIUM_FLATTEN void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
 }
 
 LUCARIUM_FLATTEN void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front) {
-  receive(exchange, field_end(exchange, fragment_side(exchange, payload, front), pixel, 0u), exchange->from_far, 1.0f);
+  const RayEnd end = ray_end(exchange, payload, front);
+  if (end.side != LUCARIUM_NONE) receive_outside(exchange, end, pixel, 0u);
+}
+
+// The same of rays that are kept.
+void kept_expect(Exchange* exchange, uint end) { LUCARIUM_PREFETCH(exchange->records + 2u * (size_t)KEPT_HALF(end)); }
+
+LUCARIUM_FLATTEN void kept_ray_begins(Exchange* exchange, uint2 pixel, uint end) {
+  receive_outside(exchange, kept_end(exchange, end), pixel, 1u);
+}
+
+LUCARIUM_FLATTEN void kept_ray_crosses(Exchange* exchange, uint2 pixel, uint near_end, uint far_end) {
+  const FieldEnd near = field_end(exchange, kept_end(exchange, near_end), pixel, 0u);
+  const FieldEnd far = field_end(exchange, kept_end(exchange, far_end), pixel, 1u);
+  receive(exchange, near, far.leaves, 1.0f);
+  receive(exchange, far, near.leaves, 1.0f);
+}
+
+LUCARIUM_FLATTEN void kept_ray_meets_back(Exchange* exchange, uint2 pixel, uint end, uint backwards, float share) {
+  receive(exchange, field_end(exchange, kept_end(exchange, end), pixel, backwards), (float3)(0.0f), share);
+}
+
+LUCARIUM_FLATTEN void kept_ray_ends(Exchange* exchange, uint2 pixel, uint end) {
+  receive_outside(exchange, kept_end(exchange, end), pixel, 0u);
 }
 
 // What both kernels take besides their rows. ends: radiance that enters along omega, and along -omega. received: of the

@@ -5,6 +5,7 @@
 typedef struct Survey {
   LINE_ROWS_MEMBERS
   const __global uint* side_facet;
+  uint sides;
   __global float* distances;       // of the nearest pixel so far, of the line's cells: those from first_cell on, then
   uint first_coarse, coarse_base;  // those from first_coarse on, less coarse_base
   __global uint* cell_side;
@@ -15,13 +16,11 @@ typedef struct Survey {
 
 void bundle_expect(Survey* survey, uint texel) { LUCARIUM_PREFETCH(survey->side_facet + texel); }
 
-#include "lucarium/services/layered_raster/kept_rows.clh"
+#include "lucarium/services/texel_sides/kept_rows.clh"
 
-void layered_expect(Survey* survey, uint payload) { bundle_expect(survey, payload & BUNDLE_TEXEL); }
-
-void survey_end(Survey* survey, FragmentSide end, uint2 pixel, uint backwards) {
-  if (end.side == LUCARIUM_NONE) return;
-  const uint cell = line_cell(survey, survey->side_facet[end.side], pixel, backwards);
+void survey_end(Survey* survey, uint side, uint2 pixel, uint backwards) {
+  if (side == LUCARIUM_NONE) return;
+  const uint cell = line_cell(survey, survey->side_facet[side], pixel, backwards);
   if (cell == LUCARIUM_NONE) return;
   const uint mask = (1u << survey->shift) - 1u;
   const float middle = 0.5f * (float)mask;
@@ -31,23 +30,44 @@ void survey_end(Survey* survey, FragmentSide end, uint2 pixel, uint backwards) {
       survey->distances + (cell - (cell < survey->first_coarse ? survey->first_cell : survey->coarse_base));
   if (*nearest > 0.0f && *nearest <= distance) return;
   *nearest = distance;
-  survey->cell_side[cell] = end.side;
+  survey->cell_side[cell] = side;
+}
+
+void survey_gap(Survey* survey, uint near_side, uint far_side, uint2 pixel) {
+  survey_end(survey, near_side, pixel, 0u);
+  survey_end(survey, far_side, pixel, 1u);
 }
 
 void layered_ray_begins(Survey* survey, uint2 pixel, uint payload, bool front) {
-  survey_end(survey, fragment_side(survey, payload, front), pixel, 1u);
+  survey_end(survey, fragment_side(survey, payload, front).side, pixel, 1u);
 }
 void layered_ray_crosses(Survey* survey, LayeredGap gap) {
-  survey_end(survey, fragment_side(survey, gap.near, gap.near_front), gap.pixel, 0u);
-  survey_end(survey, fragment_side(survey, gap.far, gap.far_front), gap.pixel, 1u);
+  survey_gap(survey, fragment_side(survey, gap.near, gap.near_front).side,
+             fragment_side(survey, gap.far, gap.far_front).side, gap.pixel);
 }
 void layered_ray_ends(Survey* survey, uint2 pixel, uint payload, bool front) {
-  survey_end(survey, fragment_side(survey, payload, front), pixel, 0u);
+  survey_end(survey, fragment_side(survey, payload, front).side, pixel, 0u);
 }
+
+// The side of a kept end.
+uint kept_side(const Survey* survey, uint end) {
+  const uint half_side = KEPT_HALF(end);
+  return half_side < survey->sides ? half_side : half_side - survey->sides;
+}
+void kept_expect(Survey* survey, uint end) { bundle_expect(survey, KEPT_HALF(end)); }
+void kept_ray_begins(Survey* survey, uint2 pixel, uint end) { survey_end(survey, kept_side(survey, end), pixel, 1u); }
+void kept_ray_crosses(Survey* survey, uint2 pixel, uint near, uint far) {
+  survey_gap(survey, kept_side(survey, near), kept_side(survey, far), pixel);
+}
+void kept_ray_meets_back(Survey* survey, uint2 pixel, uint end, uint backwards, float share) {
+  survey_end(survey, kept_side(survey, end), pixel, backwards);
+}
+void kept_ray_ends(Survey* survey, uint2 pixel, uint end) { survey_end(survey, kept_side(survey, end), pixel, 0u); }
 
 #define SURVEY_SET(survey)                    \
   LINE_ROWS_SET(survey)                       \
   (survey)->side_facet = side_facet;          \
+  (survey)->sides = atlas_info.texel_count;   \
   (survey)->distances = distances;            \
   (survey)->first_coarse = info.first_coarse; \
   (survey)->coarse_base = coarse_base;        \

@@ -34,13 +34,10 @@ std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials
   return result;
 }
 
-/// Of the scene, every surface once [m²].
-double drawn_area(const SurfaceAtlas& atlas) {
-  const std::vector<AtlasTexel> texels = atlas.texels().download();
-  const uint32_t backs = atlas.info().double_sided_count;
+/// Of all texel sides [m²].
+double area_of_sides(const SurfaceAtlas& atlas) {
   double sum = 0;
-  for (uint32_t side = 0; side < texels.size(); ++side)
-    if (side < backs || side >= 2 * backs) sum += static_cast<double>(texels[side].area);
+  for (const AtlasTexel& texel : atlas.texels().download()) sum += static_cast<double>(texel.area);
   return sum;
 }
 
@@ -90,8 +87,8 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
   subfields.blend_seed = options.line_seed;
   if (options.max_bounces < 0 || options.max_bounces >= kKeptBounces)
     subfields.cache =
-        std::min(options.cache, KeptRows::estimate_bytes(estimate_fragments(
-                                    options.dir_n, options.perturb, options.subfield.pixel(), drawn_area(atlas))));
+        std::min(options.cache, KeptRows::estimate_bytes(estimate_ends(
+                                    options.dir_n, options.perturb, options.subfield.pixel(), area_of_sides(atlas))));
   subfields_ = std::make_unique<SubfieldRuns>(device, scheduler, host_scene, scene, grid_, maps_, atlas, raster,
                                               interior, accessibility, cells_, records_, subfields);
   if (!tiled_) return;
@@ -373,7 +370,7 @@ size_t LightField::estimate_bytes(size_t sides, uint32_t halves) {
   return sides * ((8 * halves + 2) * sizeof(float4) + 2 * sizeof(uint32_t));
 }
 
-double LightField::estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area) {
+double LightField::estimate_ends(uint32_t dir_n, uint32_t perturb, double pixel, double area) {
   const double subfields = (2. * dir_n * dir_n + 1) * perturb;
   return subfields * area / (2 * pixel * pixel);  // the mean projection of a surface is half of it
 }

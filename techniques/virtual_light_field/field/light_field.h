@@ -88,8 +88,8 @@ class LightField {
   static size_t estimate_bytes(size_t sides, uint32_t halves);
   static constexpr size_t kCellBytes = 16, kSplitBytes = 4;
   static constexpr int kKeptBounces = 3;  ///< so many at least: drawing twice to keep fragments pays
-  /// Expected fragments of all subfields. `pixel` [m]; `area`: of the scene's surfaces, each once [m²].
-  static double estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area);
+  /// Expected ends of rays of all subfields at texel sides. `pixel` [m]; `area`: of the sides [m²].
+  static double estimate_ends(uint32_t dir_n, uint32_t perturb, double pixel, double area);
   /// That a preview draws, all of its sweeps together.
   static uint32_t estimate_preview_subfields(const Options& options);
 

@@ -77,7 +77,7 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
   keeping.bytes = options.cache;
   keeping.owner = technique_name;
   keeping.remedy = "lower cache_visibility";
-  kept_ = std::make_unique<KeptRows>(device, scheduler, raster, atlas, views_, keeping);
+  kept_ = std::make_unique<KeptRows>(device, scheduler, raster, atlas, interior, accessibility, views_, keeping);
   record_exchange(device, raster, atlas, interior, accessibility, cells, records, true, &exchange_kept_);
   if (maps.cells() > 0 && options.perturb == 1) record_survey(raster, atlas, cells, average, true, &survey_kept_);
 }

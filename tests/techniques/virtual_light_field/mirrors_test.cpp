@@ -53,6 +53,22 @@ TEST_CASE("a furnace with a mirror for a wall is a furnace") {
   CHECK(vlf::describe_tiles(rig.field().maps(), side_of(0)).size() == 1);
 }
 
+TEST_CASE("a lobe that no direction of a coarse grid lies in shows what an ideal one does") {
+  const SceneMaterial wall = test::emitter(1, 0.5f);
+  for (const uint64_t seed : {1, 2, 3}) {
+    CAPTURE(seed);
+    vlf::Parameters parameters = mirror_field(2, 16, 512);
+    parameters.split_layers = false;
+    test::FieldRig rig(
+        test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror(1, 0.27f)}}),
+        parameters, {.max_bounces = 2, .seed = seed});
+    rig.propagate();
+    const std::vector<uint32_t> cells = rig.field().total().download();
+    CHECK(std::count(cells.begin(), cells.end(), FIELD_NO_CELL) < static_cast<ptrdiff_t>(cells.size()));
+    CHECK(std::count(cells.begin(), cells.end(), 0u) == 0);
+  }
+}
+
 TEST_CASE("light by a mirror is that of the image lamp") {
   const SceneMaterial black = test::lambert(0);
   test::FieldRig rig(test::unit_box({{2, black}, {0, black}, {3, test::emitter(1)}, {1, test::mirror()}}),

@@ -251,7 +251,7 @@ size_t SurfaceAtlas::expected_sides(const Scene& scene, const AtlasLayoutOptions
   return static_cast<size_t>(std::min(count_sides(scene, options, false), 1e14));
 }
 
-double SurfaceAtlas::surface_area(const Scene& scene) { return reflecting_area(scene, false); }
+double SurfaceAtlas::side_area(const Scene& scene) { return reflecting_area(scene); }
 
 size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options, size_t sides) {
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.

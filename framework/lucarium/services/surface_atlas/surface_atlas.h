@@ -86,8 +86,8 @@ class SurfaceAtlas {
   static size_t estimate_sides(const Scene& scene, const AtlasLayoutOptions& options);
   /// How many it is likely to have.
   static size_t expected_sides(const Scene& scene, const AtlasLayoutOptions& options);
-  /// Of the surfaces that it covers, each once [m²].
-  static double surface_area(const Scene& scene);
+  /// Of the sides that it covers [m²].
+  static double side_area(const Scene& scene);
   /// Device memory for as many texel sides [bytes], by default the most; the constructor states the exact one.
   static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options, size_t sides);
   static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {

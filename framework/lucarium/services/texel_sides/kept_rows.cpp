@@ -16,6 +16,7 @@ uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 }  // namespace
 
 KeptRows::KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRaster& raster, const SurfaceAtlas& atlas,
+                   const TexelInterior& interior, const SideAccessibility& accessibility,
                    const TypedBuffer<LayeredView>& view, const Options& options)
     : scheduler_(&scheduler),
       rows_(divide_up(options.height, LAYERED_TILE_ROWS)),
@@ -32,10 +33,17 @@ KeptRows::KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRast
   number_ = recorder.variable("number", 0u);
   const LayeredRaster::ViewRef ref{view, recorder.variable("view index", 0u)};
   const auto bins = raster.record_bins(recorder, "bins", ref);
-  raster.record_tiles(recorder, "count", ref, *bins, program, "count_kept_rows", [&](PassBuilder& pass) {
+  const SideHalves halves = accessibility.side_halves();
+  const auto bind = [&](PassBuilder& pass) -> PassBuilder& {
     atlas.bind(pass);
-    pass.arg("rows", rows_).arg("counts", counts_);
-  });
+    return pass.arg("accessibility", accessibility.parts())
+        .arg("interior", interior.shares())
+        .arg("covered", halves.two() ? halves.covered : accessibility.parts())
+        .arg("two_halves", halves.two() ? 1u : 0u)
+        .arg("rows", rows_);
+  };
+  raster.record_tiles(recorder, "count", ref, *bins, program, "count_kept_rows",
+                      [&](PassBuilder& pass) { bind(pass).arg("counts", counts_); });
   recorder.pass("place", program, "place_kept_rows")
       .global(1)
       .local(1)
@@ -46,8 +54,7 @@ KeptRows::KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRast
       .arg("taken", taken_)
       .arg("starts", starts_);
   raster.record_tiles(recorder, "keep", ref, *bins, program, "keep_rows", [&](PassBuilder& pass) {
-    atlas.bind(pass);
-    pass.arg("rows", rows_).arg("view", number_).arg("starts", starts_).arg("words", words_);
+    bind(pass).arg("view", number_).arg("starts", starts_).arg("words", words_);
   });
   keep_ = recorder.compile();
 }

@@ -4,14 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "lucarium/services/interior_surfaces/texel_interior.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
+#include "lucarium/services/texel_sides/side_accessibility.h"
 
 namespace lucarium {
 
-/// A-buffers of many views of one raster, with texels and their parts as payload (bundle_pairs.clh), that outlive the
-/// schedules: a consumer of bundle_pairs.clh walks over them again and again without rasterizing, in the same order, so
-/// that it gets the same bits. About one uint per fragment. Lengths of gaps are not kept.
+/// Rays between texel sides of many views of one raster (kept_rows.clh), which outlive the schedules: a consumer walks
+/// over them again and again without rasterizing, in the order of bundle_pairs.clh, so that it gets the same bits.
+/// About one uint per end of a ray at a side. Lengths of gaps are not kept.
 class KeptRows {
  public:
   struct Options {
@@ -21,9 +23,10 @@ class KeptRows {
     std::string owner;
     std::string remedy;  ///< where memory does not suffice
   };
-  /// All must outlive this. `view`: one LayeredView, the one that keep() rasterizes.
+  /// All must outlive this; interior and accessibility are complete. `view`: one LayeredView, which keep() rasterizes.
   KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRaster& raster, const SurfaceAtlas& atlas,
-           const TypedBuffer<LayeredView>& view, const Options& options);
+           const TexelInterior& interior, const SideAccessibility& accessibility, const TypedBuffer<LayeredView>& view,
+           const Options& options);
 
   /// Keeps the view that is in `view`, if it fits, under a number that has none yet.
   void keep(uint32_t number);
@@ -40,11 +43,11 @@ class KeptRows {
                    const std::function<void(PassBuilder&)>& bind) const;
 
   void warm_up();
-  /// Expected bytes of so many fragments.
-  static size_t estimate_bytes(double fragments) { return static_cast<size_t>(4 * kWordsPerFragment * fragments); }
+  /// Expected bytes of so many ends of rays at texel sides.
+  static size_t estimate_bytes(double ends) { return static_cast<size_t>(sizeof(uint32_t) * kWordsPerEnd * ends); }
 
  private:
-  static constexpr double kWordsPerFragment = 1.35;  // with masks and headers
+  static constexpr double kWordsPerEnd = 1.35;  // with headers, and what is black
 
   KernelScheduler* scheduler_;
   uint32_t rows_;
