@@ -6,11 +6,11 @@
 #include <cmath>
 #include <vector>
 
+#include "device_fixture.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/session/session.h"
 #include "made_scene.h"
 #include "registry.h"
-#include "test_support.h"
 #include "tolerance.h"
 
 using namespace lucarium;
