@@ -38,6 +38,13 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 #define ABUFFER_OPEN 64u    // with ABUFFER_PARITY: the component has no inside
 #define ABUFFER_ABSENT 32u  // of components, alone: not of this structure's subset; their triangles have no class
 
+// A fragment for parity: its triangle; bit 30: of an open component; bit 31: it faces along the axis (LAYERED_AWAY).
+#define ABUFFER_TRIANGLE 0x3fffffffu
+#define ABUFFER_OPEN_FRAGMENT 0x40000000u
+
+// The state of a point: what closed components count, and this many times what open ones do, in its column.
+#define ABUFFER_OPEN_STEP 65536
+
 // A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity;
 // bits 4, 5: the axis by whose columns it is searched for parity, 3: any; bits 6 and above: its first cell block, one
 // for each bit of 0, 1, 2, 3 in turn.

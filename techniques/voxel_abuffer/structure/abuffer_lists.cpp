@@ -154,7 +154,7 @@ void AbufferLists::record_packed(ScheduleRecorder& recorder, const AbufferGrid& 
   if (exact)
     pass.arg("abuffer_planes", sources.planes);
   else
-    pass.arg("abuffer_facing", sources.facing);
+    pass.arg("abuffer_facing", sources.facing).arg("abuffer_classes", sources.classes);
 }
 
 void AbufferLists::record_voxels(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const {

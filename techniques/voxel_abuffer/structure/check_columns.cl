@@ -23,7 +23,7 @@ static bool abuffer_check_walls(__global const float* depths, __global const uin
   bool any = false;
   for (uint i = begin + 1u; i < end; ++i) {
     if (!(depths[i] - depths[i - 1u] <= touch) || !((fragments[i] ^ fragments[i - 1u]) >> 31)) continue;
-    const uint one = fragments[i - 1u] & 0x7fffffffu, other = fragments[i] & 0x7fffffffu;
+    const uint one = fragments[i - 1u] & ABUFFER_TRIANGLE, other = fragments[i] & ABUFFER_TRIANGLE;
     if (!abuffer_are_opposite(triangles, one, other)) continue;
     marked[component_of[one]] = marked[component_of[other]] = 1u;
     any = true;
@@ -38,14 +38,14 @@ static bool abuffer_check_walls(__global const float* depths, __global const uin
 static void abuffer_check_balances(__global const uint* fragments, uint begin, uint end,
                                    __global const uint* component_of, volatile __global uint* marked) {
   for (uint i = begin; i < end; ++i) {
-    const uint component = component_of[fragments[i] & 0x7fffffffu];
+    const uint component = component_of[fragments[i] & ABUFFER_TRIANGLE];
     if (end - begin > ABUFFER_LONG) {
       marked[component] = 1u;
       continue;
     }
     int own = 0;
     for (uint j = begin; j < end; ++j)
-      if (component_of[fragments[j] & 0x7fffffffu] == component) own += fragments[j] >> 31 ? -1 : 1;
+      if (component_of[fragments[j] & ABUFFER_TRIANGLE] == component) own += fragments[j] >> 31 ? -1 : 1;
     if (own != 0) marked[component] = 1u;
   }
 }

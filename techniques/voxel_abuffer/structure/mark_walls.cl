@@ -36,6 +36,12 @@ static void abuffer_mark_depths(const AbufferWallMarks* m, float low, float high
   abuffer_mark_slabs(m->cells, m->places, m->section, first, last);
 }
 
+// What a fragment adds to the state (ABUFFER_OPEN_STEP).
+static int abuffer_state_step(uint fragment) {
+  const int step = fragment & ABUFFER_OPEN_FRAGMENT ? ABUFFER_OPEN_STEP : 1;
+  return fragment >> 31 ? -step : step;
+}
+
 // Marks where the states of two columns differ. Lists: first fragment and end.
 static void abuffer_mark_between(const AbufferWallMarks* m, uint2 own, uint2 other) {
   int difference = 0;
@@ -46,9 +52,9 @@ static void abuffer_mark_between(const AbufferWallMarks* m, uint2 own, uint2 oth
     if (difference) abuffer_mark_depths(m, since, fmin(mine, theirs));
     since = fmin(mine, theirs);
     if (mine <= theirs)
-      difference += m->fragments[own.x++] >> 31 ? -1 : 1;
+      difference += abuffer_state_step(m->fragments[own.x++]);
     else
-      difference -= m->fragments[other.x++] >> 31 ? -1 : 1;
+      difference -= abuffer_state_step(m->fragments[other.x++]);
   }
 }
 
@@ -56,14 +62,16 @@ static void abuffer_mark_between(const AbufferWallMarks* m, uint2 own, uint2 oth
 typedef struct AbufferShortList {
   uint2 range;   // its first fragment and its end
   float8 depth;  // of its first eight
-  ulong faces;   // a byte for each of these: 1 against the axis, 255 along it, 0 none
+  ulong faces;   // a byte for each of these: 1 against the axis, 255 along it, 3 and 253 of open components, 0 none
 } AbufferShortList;
 
 static AbufferShortList abuffer_short_list(const AbufferWallMarks* m, __global const uint* start) {
   AbufferShortList list;
   list.range = vload2(0, start);
   list.depth = vload8(0, m->depths + list.range.x);
-  const int8 facing = (as_int8(vload8(0, m->fragments + list.range.x)) >> 31) | 1;
+  const int8 fragments = as_int8(vload8(0, m->fragments + list.range.x));
+  const int8 open = (fragments & (int)ABUFFER_OPEN_FRAGMENT) != 0;
+  const int8 facing = (fragments >> 31 ^ (open & 2)) | 1;
   const int8 lanes = (int8)(0, 1, 2, 3, 4, 5, 6, 7) < (int)(list.range.y - list.range.x);
   list.faces = as_ulong(convert_char8(facing & lanes));
   return list;

@@ -52,10 +52,10 @@ __kernel void abuffer_pack_exact(__global const AbufferGrid* abuffer_grid, __glo
 // voxel and axis, its fragments, and those that face against the axis less those along it. They are the sums of |n| and
 // n over the voxel's surface in units of pixels (cleared before).
 __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __global const uint* pixel_start,
-                                  __global const LayeredFragment* fragments, __global const uint* abuffer_counts,
-                                  uint axis, uint first, uint capacity, __global uint* abuffer_start,
-                                  __global float* abuffer_depths, __global uint* abuffer_fragments,
-                                  __global int2* abuffer_facing) {
+                                  __global const LayeredFragment* fragments, __global const uchar* abuffer_classes,
+                                  __global const uint* abuffer_counts, uint axis, uint first, uint capacity,
+                                  __global uint* abuffer_start, __global float* abuffer_depths,
+                                  __global uint* abuffer_fragments, __global int2* abuffer_facing) {
   const float corner = axis == 0u   ? abuffer_grid[0].corner.x
                        : axis == 1u ? abuffer_grid[0].corner.y
                                     : abuffer_grid[0].corner.z;
@@ -63,7 +63,8 @@ __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __gl
     const LayeredFragment f = fragments[i];
     const float depth = (f.depth - corner) * grid.corner.w;
     abuffer_depths[place] = depth;
-    abuffer_fragments[place] = f.triangle;
+    const uchar open = abuffer_classes[f.triangle & ~LAYERED_AWAY] & ABUFFER_OPEN;
+    abuffer_fragments[place] = f.triangle | (open ? ABUFFER_OPEN_FRAGMENT : 0u);
     const uint z = min((uint)fmax(depth / (float)edge, 0.0f), abuffer_component(grid.voxels, axis) - 1u);
     const uint index = abuffer_voxel(grid.bricks, abuffer_voxel_of(axis, voxel, row, z));
     abuffer_facing[3u * index + axis] += (int2)(1, f.triangle & LAYERED_AWAY ? -1 : 1);

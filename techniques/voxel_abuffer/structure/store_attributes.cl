@@ -21,7 +21,7 @@ __kernel void abuffer_store_attributes(__global const AbufferGrid* abuffer_grid,
   __global const uint* start = abuffer_start + axis * grid.bricks.w;
   for (uint column = row * columns; column < (row + 1u) * columns; ++column)
     for (uint i = start[column]; i < start[column + 1u]; ++i) {
-      const uint triangle = abuffer_fragments[i] & 0x7fffffffu;
+      const uint triangle = abuffer_fragments[i] & ABUFFER_TRIANGLE;
       const float3 point = abuffer_fragment_point(grid.voxels, axis, column, abuffer_depths[i]);
       const float2 uv = abuffer_fragment_barycentrics(&grid, abuffer_triangles, triangle, point);
       const float3 n = abuffer_triangle_normal(abuffer_triangles, triangle);
