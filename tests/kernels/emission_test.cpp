@@ -118,7 +118,7 @@ double environment_power(const Environment& e) {
 
 /// Expected product of flux and all densities: radiance and cosine, or their equivalent (of cases without textures).
 double sent_light(const Case& c, const Light& light, const glm::vec3& direction) {
-  const double cosine = double{glm::dot(direction, light.direction.xyz())};
+  const double cosine = glm::dot(glm::dvec3(direction), glm::dvec3(light.direction.xyz()));
   if (light.kind == LUCARIUM_LIGHT_TRIANGLE) return c.brightness * std::abs(double{glm::dot(direction, lamp_normal)});
   if (light.kind != LUCARIUM_LIGHT_SPOT) return c.brightness;
   const double outer = std::cos(double{c.scene.lights[0].outer_angle}),
@@ -195,7 +195,10 @@ TEST_CASE("emission carries the power of every kind of light, and its densities 
     for (uint i = 0; i < n; ++i) {
       const double sent = double{e.fluxes[i].y} * e.fluxes[i].w * e.origins[i].w * e.directions[i].w;
       const double expected = sent_light(c, light, e.directions[i].xyz());
-      if (c.precision > 0) other_light += !(std::abs(sent - expected) <= std::max(1e-4, c.precision) * c.brightness);
+      // The narrow spot's ramp rises by up to 900 times the brightness per unit of the cosine, of which the device's
+      // float leaves 1e-7 or two.
+      const double bound = std::max(1e-4, c.precision) * c.brightness;
+      if (c.precision > 0) other_light += !(std::abs(sent - expected) <= bound);
       const float found[] = {e.pdfs[i].x, e.pdfs[i].y, e.pdfs[i].z},
                   drawn[] = {e.fluxes[i].w, e.origins[i].w, e.directions[i].w};
       for (int k = 0; k < 3; ++k) different += !(std::abs(found[k] - drawn[k]) <= 2e-3f * drawn[k]);
@@ -276,7 +279,6 @@ TEST_CASE("emission follows its densities") {
   const auto linear = [](double a) { return a; };
   for (const Case& c : cases()) {
     CAPTURE(c.name);
-    const std::string name = c.name;
     const SceneBuffers buffers(*test_device(), c.scene);
     const Emissions e = emit(buffers, n);
     const Light light = buffers.scene_lights.download().front();
@@ -313,7 +315,7 @@ TEST_CASE("emission follows its densities") {
       check([&](uint i) { return glm::dvec2((1 - turned(i).z) / (1 - outer), zonal(i).y); },
             [&](double a) { return 1 - missing(1 - a * (1 - outer)) / missing(1); });
     } else if (light.kind == LUCARIUM_LIGHT_TRIANGLE) {
-      const bool sides = name == "two-sided triangle" || name == "BLEND triangle";
+      const bool sides = c.name == "two-sided triangle" || c.name == "BLEND triangle";
       check(zonal, [&](double a) {
         const double z = 1 - 2 * a, front = 1 - z * z;  // both hemispheres weigh the same
         return sides ? (z > 0 ? 0.5 * front : 1 - 0.5 * front) : z > 0 ? front : 1.0;
@@ -326,8 +328,8 @@ TEST_CASE("emission follows its densities") {
           linear);
     } else {
       check(on_disc, linear);
-      if (name == "constant environment") check(zonal, linear);
-      if (name == "environment map") check_texels(*c.scene.environment, buffers, e);
+      if (c.name == "constant environment") check(zonal, linear);
+      if (c.name == "environment map") check_texels(*c.scene.environment, buffers, e);
     }
   }
 }
@@ -337,7 +339,7 @@ TEST_CASE("emission brings to a receiver what light samples find there") {
   const uint n = full_run() ? 1u << 20 : 1u << 17;
   ClosedForms table;
   for (const Case& c : cases()) {
-    if (std::string(c.name) == "narrow spot") continue;  // all of it misses the square or meets it
+    if (c.name == "narrow spot") continue;  // all of it misses the square or meets it
     CAPTURE(c.name);
     const SceneBuffers buffers(*test_device(), c.scene);
     const Emissions e = emit(buffers, n);

@@ -54,7 +54,7 @@ uint kept_side(const Survey* survey, uint end) {
   const uint half_side = KEPT_HALF(end);
   return half_side < survey->sides ? half_side : half_side - survey->sides;
 }
-void kept_expect(Survey* survey, uint end) { bundle_expect(survey, KEPT_HALF(end)); }
+void kept_expect(Survey* survey, uint end) { bundle_expect(survey, kept_side(survey, end)); }
 void kept_ray_begins(Survey* survey, uint2 pixel, uint end) { survey_end(survey, kept_side(survey, end), pixel, 1u); }
 void kept_ray_crosses(Survey* survey, uint2 pixel, uint near, uint far) {
   survey_gap(survey, kept_side(survey, near), kept_side(survey, far), pixel);

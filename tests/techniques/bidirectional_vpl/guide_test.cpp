@@ -218,8 +218,8 @@ TEST_CASE("guide: narrow lobes have their tails and their middle") {
 TEST_CASE("guide: an iteration that is cancelled collects nothing, and neither do the light paths before the first") {
   const Scene scene = load_scene("builtin:caustic");
   int requests = 0;
-  // Cancels the next iteration at its request `cancelled_at`, if it is above 0; counts the requests of the iteration.
   std::map<std::string, double> counters;  // at the end
+  // Cancels the next iteration at its request `cancelled_at`, if it is above 0; counts the requests of the iteration.
   const auto image = [&](uint64_t before, int cancelled_at) {
     RenderSettings settings;
     settings.width = settings.height = 24;

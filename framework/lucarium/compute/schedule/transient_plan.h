@@ -41,7 +41,7 @@ struct ArenaPlan {
 ArenaPlan place_lives(const std::vector<LiveRange>& lives, const std::vector<size_t>& bytes, size_t alignment,
                       size_t max_arena_bytes);
 
-/// The same with one life at a time in an arena, from its beginning: for devices whose buffers have no parts.
+/// The same with one life at a time in an arena, from its beginning: where parts of a buffer must not overlap.
 ArenaPlan place_lives_apart(const std::vector<LiveRange>& lives, const std::vector<size_t>& bytes);
 
 /// The same for lives whose sizes are known only at run time: the number of the buffer each one uses. The fewest

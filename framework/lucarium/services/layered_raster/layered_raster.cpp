@@ -18,7 +18,7 @@ namespace {
 constexpr uint32_t lanes = 16;                 // pixels per row of a tile
 constexpr uint32_t chunks = 16;                // runs of triangles binned in parallel
 constexpr uint32_t slice_pixels = 1u << 22;    // of the image between two checks for an interrupt
-constexpr uint32_t row_layers_elsewhere = 16;  // than on a processor, see LayeredRasterOptions
+constexpr uint32_t row_layers_elsewhere = 16;  // on devices that are no processors
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }

@@ -21,7 +21,7 @@ const Program& LayeredRaster::State::consumer(const std::string& file, uint32_t 
     all["LAYERED_DEPTH"] = "";
     if (keep > 0) {
       all["LAYERED_KEEP"] = std::to_string(keep) + "u";
-      all["LAYERED_MAX_LAYERS"] = std::to_string(std::max(keep, options.row_layers)) + "u";
+      all["LAYERED_MAX_LAYERS"] = std::to_string(keep) + "u";
     }
     found = Program(scheduler.device(), SourceLibrary(),
                     {.name = "services/layered_raster/" + file,

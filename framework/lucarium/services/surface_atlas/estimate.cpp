@@ -97,7 +97,7 @@ double sides_of(const std::vector<Surface>& surfaces, double area, const AtlasLa
 
 }  // namespace
 
-double reflecting_area(const Scene& scene, bool both_sides) {
+double reflecting_area(const Scene& scene) {
   double sum = 0;
   const std::vector<uint8_t> two_sided = two_sided_instances(scene);
   for (size_t i = 0; i < scene.instances.size(); ++i) {
@@ -110,7 +110,7 @@ double reflecting_area(const Scene& scene, bool both_sides) {
       const glm::vec3 e1 = linear * (mesh.positions[t.y] - a), e2 = linear * (mesh.positions[t.z] - a);
       area += 0.5 * static_cast<double>(glm::length(glm::cross(e1, e2)));
     }
-    sum += area * (both_sides && two_sided[i] ? 2 : 1);
+    sum += area * (two_sided[i] ? 2 : 1);
   }
   return sum;
 }

@@ -6,8 +6,8 @@
 
 namespace lucarium {
 
-/// Area of all reflecting sides, or of the surfaces that have them, each once [m²].
-double reflecting_area(const Scene& scene, bool both_sides = true);
+/// Area of all reflecting sides [m²].
+double reflecting_area(const Scene& scene);
 
 /// Texel sides that reflecting sides of `area` [m²] are meant to have.
 double wanted_sides(double area, const AtlasLayoutOptions& options);

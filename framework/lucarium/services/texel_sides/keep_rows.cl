@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps the rays of bundles (kept_rows.clh) in one list of words: the words of each row of tiles are counted, given a
-// place where all of the view still fit, and written.
+// place where all of the view still fit, and written. How many there are depends on the last bits of floats: one kernel
+// counts and writes, so that both see the same bits.
 #include "lucarium/shared/scene_types.h"
 #include "lucarium/shared/surface_atlas.h"
 
@@ -30,13 +31,13 @@ void keep_word(KeptBundle* kept, uint word) {
 
 uint keep_end(const KeptBundle* kept, FragmentSide end) {
   const uint half_side = kept->covered ? half_of_part(kept->covered, kept->sides, end.side, end.part) : end.side;
-  return half_side | part_level(kept->accessibility, end.side, end.part) << 26;
+  return half_side | part_level(kept->accessibility, end.side, end.part) << KEPT_HALF_BITS;
 }
 
 void layered_ray_begins(KeptBundle* kept, uint2 pixel, uint payload, bool front) {
   const FragmentSide end = fragment_side(kept, payload, front);
   if (end.side == LUCARIUM_NONE) return;
-  keep_word(kept, keep_end(kept, end) | pixel.x % LAYERED_LANES << 28);
+  keep_word(kept, keep_end(kept, end) | KEPT_IN_LANE(pixel));
   ++kept->begins;
 }
 
@@ -46,7 +47,7 @@ void layered_ray_crosses(KeptBundle* kept, LayeredGap gap) {
   if (near.side == LUCARIUM_NONE && far.side == LUCARIUM_NONE) return;
   const uint backwards = near.side == LUCARIUM_NONE ? 1u : 0u;
   const FragmentSide first = backwards ? far : near;
-  keep_word(kept, keep_end(kept, first) | gap.pixel.x % LAYERED_LANES << 28);
+  keep_word(kept, keep_end(kept, first) | KEPT_IN_LANE(gap.pixel));
   if (backwards || far.side == LUCARIUM_NONE)
     keep_word(kept, KEPT_BACK(backwards, kept->interior[first.side].y));
   else
@@ -57,7 +58,7 @@ void layered_ray_crosses(KeptBundle* kept, LayeredGap gap) {
 void layered_ray_ends(KeptBundle* kept, uint2 pixel, uint payload, bool front) {
   const FragmentSide end = fragment_side(kept, payload, front);
   if (end.side == LUCARIUM_NONE) return;
-  keep_word(kept, keep_end(kept, end) | pixel.x % LAYERED_LANES << 28);
+  keep_word(kept, keep_end(kept, end) | KEPT_IN_LANE(pixel));
   ++kept->ends;
 }
 
@@ -91,13 +92,6 @@ void layered_consume(KeptBundle* kept, const LayeredRow* row) {
                      0u,                            \
                      0u}
 
-// counts: words of each row of tiles.
-__kernel void count_kept_rows(KEEP_PARAMETERS, __global uint* counts) {
-  KEEP_SET(kept, 0);
-  LAYERED_RUN_TILES(&kept);
-  if (LAYERED_TILE_ROW < rows) counts[LAYERED_TILE_ROW] = kept.count;
-}
-
 // Work-item: one. starts: of each view rows + 1 entries, where its rows of tiles begin and end; LUCARIUM_NONE: the
 // view does not fit behind the words that are taken.
 __kernel void place_kept_rows(uint rows, uint view, uint capacity, __global const uint* restrict counts,
@@ -117,11 +111,14 @@ __kernel void place_kept_rows(uint rows, uint view, uint capacity, __global cons
   if (fits) taken[0] = at;
 }
 
-__kernel void keep_rows(KEEP_PARAMETERS, uint view, __global const uint* starts, __global uint* words) {
+// counts: words of each row of tiles; writes 0: they are counted. starts: place_kept_rows().
+__kernel void keep_rows(KEEP_PARAMETERS, uint view, uint writes, __global const uint* starts, __global uint* counts,
+                        __global uint* words) {
   const uint row = LAYERED_TILE_ROW;
   if (row >= rows) return;
   const uint start = starts[(size_t)view * (rows + 1u) + row];
-  if (start == LUCARIUM_NONE) return;
-  KEEP_SET(kept, words + start);
+  if (writes && start == LUCARIUM_NONE) return;
+  KEEP_SET(kept, writes ? words + start : 0);
   LAYERED_RUN_TILES(&kept);
+  if (!writes) counts[row] = kept.count;
 }

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 
+#include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/scene_types.h"
+#include "lucarium/shared/texel_sides.h"
 
 namespace lucarium {
 namespace {
@@ -34,16 +36,23 @@ KeptRows::KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRast
   const LayeredRaster::ViewRef ref{view, recorder.variable("view index", 0u)};
   const auto bins = raster.record_bins(recorder, "bins", ref);
   const SideHalves halves = accessibility.side_halves();
+  if (halves.count > 1u << KEPT_HALF_BITS)
+    throw_error(ErrorClass::usage, "{}: {} halves of texel sides are too many to keep rays, at most {}; {}",
+                options.owner, halves.count, 1u << KEPT_HALF_BITS, options.remedy);
   const auto bind = [&](PassBuilder& pass) -> PassBuilder& {
     atlas.bind(pass);
     return pass.arg("accessibility", accessibility.parts())
         .arg("interior", interior.shares())
         .arg("covered", halves.two() ? halves.covered : accessibility.parts())
         .arg("two_halves", halves.two() ? 1u : 0u)
-        .arg("rows", rows_);
+        .arg("rows", rows_)
+        .arg("view", number_)
+        .arg("starts", starts_)
+        .arg("counts", counts_)
+        .arg("words", words_);
   };
-  raster.record_tiles(recorder, "count", ref, *bins, program, "count_kept_rows",
-                      [&](PassBuilder& pass) { bind(pass).arg("counts", counts_); });
+  raster.record_tiles(recorder, "count", ref, *bins, program, "keep_rows",
+                      [&](PassBuilder& pass) { bind(pass).arg("writes", 0u); });
   recorder.pass("place", program, "place_kept_rows")
       .global(1)
       .local(1)
@@ -53,9 +62,8 @@ KeptRows::KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRast
       .arg("counts", counts_)
       .arg("taken", taken_)
       .arg("starts", starts_);
-  raster.record_tiles(recorder, "keep", ref, *bins, program, "keep_rows", [&](PassBuilder& pass) {
-    bind(pass).arg("view", number_).arg("starts", starts_).arg("words", words_);
-  });
+  raster.record_tiles(recorder, "keep", ref, *bins, program, "keep_rows",
+                      [&](PassBuilder& pass) { bind(pass).arg("writes", 1u); });
   keep_ = recorder.compile();
 }
 

@@ -62,25 +62,28 @@ TEST_CASE("gaps and payloads") {
       };
       soup.add_triangle(corner(), corner(), corner());
     }
-    LayeredScene scene(scene_of(soup), {.max_width = 40, .max_height = 37});
     const LayeredView view = pixel_view(40, 37);
-    const HostLayers layers = scene.store(view);
-    const Gaps found = find_gaps(scene, view);
-    uint32_t wrong_gaps = 0, wrong_sums = 0;
-    for (uint32_t y = 0; y < 37; ++y)
-      for (uint32_t x = 0; x < 40; ++x) {
-        const auto pixel = layers.at(x, y);
-        wrong_gaps += found.gaps[y * 40 + x] + 1 != std::max<size_t>(1, pixel.size());
-        double sum = 0, slack = 0;
-        for (const LayeredFragment& fragment : pixel) {
-          sum +=
-              4096 * std::clamp(weight_of_second(soup, fragment.triangle & ~LAYERED_AWAY, x + 0.5, y + 0.5), 0.0, 1.0);
-          slack += 30;  // vertices are snapped, slivers steep
+    const HostLayers layers = LayeredScene(scene_of(soup), {.max_width = 40, .max_height = 37}).store(view);
+    for (const uint32_t row_layers : {64u, 4u}) {
+      CAPTURE(row_layers);
+      LayeredScene scene(scene_of(soup), {.max_width = 40, .max_height = 37, .row_layers = row_layers});
+      const Gaps found = find_gaps(scene, view);
+      uint32_t wrong_gaps = 0, wrong_sums = 0;
+      for (uint32_t y = 0; y < 37; ++y)
+        for (uint32_t x = 0; x < 40; ++x) {
+          const auto pixel = layers.at(x, y);
+          wrong_gaps += found.gaps[y * 40 + x] + 1 != std::max<size_t>(1, pixel.size());
+          double sum = 0, slack = 0;
+          for (const LayeredFragment& fragment : pixel) {
+            sum += 4096 *
+                   std::clamp(weight_of_second(soup, fragment.triangle & ~LAYERED_AWAY, x + 0.5, y + 0.5), 0.0, 1.0);
+            slack += 30;  // vertices are snapped, slivers steep
+          }
+          wrong_sums += std::abs(found.sums[y * 40 + x] - sum) > slack;
         }
-        wrong_sums += std::abs(found.sums[y * 40 + x] - sum) > slack;
-      }
-    CHECK(wrong_gaps == 0);
-    CHECK(wrong_sums == 0);
+      CHECK(wrong_gaps == 0);
+      CHECK(wrong_sums == 0);
+    }
     CHECK(layers.fragments.size() > 5000);
   }
 }

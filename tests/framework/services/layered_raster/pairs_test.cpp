@@ -57,8 +57,10 @@ uint32_t events(std::span<const LayeredFragment> ray, bool backs, double step, b
 }  // namespace
 
 TEST_CASE("rays begin, cross gaps and end where fragments are; surfaces drawn twice are one") {
-  for (const uint32_t count : {30u, 300u}) {  // the second: more layers than a row holds at a time
+  // The second: more layers than a row holds at a time. The third: than it does on other devices.
+  for (const auto& [count, row_layers] : {std::pair{30u, 64u}, {300u, 64u}, {30u, 4u}}) {
     CAPTURE(count);
+    CAPTURE(row_layers);
     Soup soup;
     Random random(count);
     for (uint32_t i = 0; i < count; ++i) {
@@ -69,7 +71,7 @@ TEST_CASE("rays begin, cross gaps and end where fragments are; surfaces drawn tw
       soup.add_triangle(a, b, c);
       if (i % 5 == 0) soup.add_triangle(a, b, c);
     }
-    LayeredScene scene(scene_of(soup), {.max_width = kWidth, .max_height = kHeight});
+    LayeredScene scene(scene_of(soup), {.max_width = kWidth, .max_height = kHeight, .row_layers = row_layers});
     const LayeredView view = pixel_view(kWidth, kHeight);
     const HostLayers layers = scene.store(view);
     const double step = 1 / (static_cast<double>(view.depth_scale) * 4194304.0);
