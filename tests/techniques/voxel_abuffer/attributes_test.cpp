@@ -169,10 +169,11 @@ TEST_CASE("planes: closed meshes, and those with holes, are hit where the hierar
       }
       return static_cast<double>(count) / static_cast<double>(rays.rays.size());
     };
-    const double planes = wrong(Intersect::plane);
-    MESSAGE("planes ", planes, " parity ", wrong(Intersect::parity));
+    const double planes = wrong(Intersect::plane), parity = wrong(Intersect::parity);
+    MESSAGE("planes ", planes, " parity ", parity);
     CHECK(planes <= 0.01);
-    if (holes) CHECK(wrong(Intersect::parity) >= 1.3 * planes);
+    // With holes parity errs more often, by more than the noise of both counts.
+    if (holes) CHECK(parity - planes > 4 * std::sqrt((parity + planes) / static_cast<double>(rays.rays.size())));
   }
 }
 

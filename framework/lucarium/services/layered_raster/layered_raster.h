@@ -23,8 +23,7 @@ struct LayeredRasterOptions {
   bool keep_alpha = false;    ///< MASK and BLEND keep all fragments, as if they were opaque: the consumer decides
   /// Layers of a tile's pixel row that are sorted at once: 4, 8, 16, 32 or 64; deeper rows are peeled in parts.
   /// 0: 64 on a processor, 16 on other devices: those set 2 kB per layer aside for every work-item that could ever be
-  /// resident. The same fragments; what adds rays
-  /// of deeper rows may add them in another order.
+  /// resident. The same fragments; what adds rays of deeper rows may add them in another order.
   uint32_t row_layers = 0;
   std::string remedy = "lower the resolution of the raster";  ///< what to do when memory does not suffice
 };
