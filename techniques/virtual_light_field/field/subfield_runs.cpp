@@ -70,7 +70,7 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
     if (maps.coarse_cells() > 0) record_coarse_average(cells, average);
   }
   record_exchange(device, raster, atlas, interior, accessibility, cells, records, false, &exchange_);
-  if (options.cache == 0 || !can_keep(host_scene)) return;
+  if (options.cache == 0 || !can_keep(host_scene) || accessibility.side_halves().count > KeptRows::kMaxHalves) return;
   KeptRows::Options keeping;
   keeping.views = subfields();
   keeping.height = options.subfield.cells << options.subfield.shift;

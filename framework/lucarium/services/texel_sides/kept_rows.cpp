@@ -3,10 +3,8 @@
 
 #include <algorithm>
 
-#include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/scene_types.h"
-#include "lucarium/shared/texel_sides.h"
 
 namespace lucarium {
 namespace {
@@ -36,9 +34,6 @@ KeptRows::KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRast
   const LayeredRaster::ViewRef ref{view, recorder.variable("view index", 0u)};
   const auto bins = raster.record_bins(recorder, "bins", ref);
   const SideHalves halves = accessibility.side_halves();
-  if (halves.count > 1u << KEPT_HALF_BITS)
-    throw_error(ErrorClass::usage, "{}: {} halves of texel sides are too many to keep rays, at most {}; {}",
-                options.owner, halves.count, 1u << KEPT_HALF_BITS, options.remedy);
   const auto bind = [&](PassBuilder& pass) -> PassBuilder& {
     atlas.bind(pass);
     return pass.arg("accessibility", accessibility.parts())

@@ -8,6 +8,7 @@
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 #include "lucarium/services/texel_sides/side_accessibility.h"
+#include "lucarium/shared/texel_sides.h"
 
 namespace lucarium {
 
@@ -23,6 +24,9 @@ class KeptRows {
     std::string owner;
     std::string remedy;  ///< where memory does not suffice
   };
+  /// Halves of texel sides that the ends of rays can name: of more, no rays can be kept.
+  static constexpr uint32_t kMaxHalves = 1u << KEPT_HALF_BITS;
+
   /// All must outlive this; interior and accessibility are complete. `view`: one LayeredView, which keep() rasterizes.
   KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRaster& raster, const SurfaceAtlas& atlas,
            const TexelInterior& interior, const SideAccessibility& accessibility, const TypedBuffer<LayeredView>& view,
