@@ -66,10 +66,12 @@ LUCARIUM_STRUCT_END(LayeredFragment, 8)
 #define LAYERED_MAX_EDGE 4096u  // pixels per axis
 #define LAYERED_GUARD 16384.0f  // pixels: beyond, triangles are clipped
 #define LAYERED_TILE_ROWS 16u   // pixel rows per tile
+#define LAYERED_ALL_ROWS 2u     // neither even nor odd rows of tiles alone
 #ifndef LAYERED_MAX_LAYERS      // of a pixel row of a tile; kernels may be compiled with fewer (LayeredRasterOptions)
 #define LAYERED_MAX_LAYERS 64u
 #endif
 #define LAYERED_BLOCK_WORDS 160u       // of the de-indexed geometry, per 16 triangles
+#define LAYERED_BLOCKS_EACH 8u         // of which a work-item of set-up takes that many
 #define LAYERED_CLIP_PARTS 6u          // a triangle clipped by five planes has at most eight corners
 #define LAYERED_NO_BOUNDS 0x000000ffu  // tile bounds of what is not seen; else x0 | y0 << 8 | x1 << 16 | y1 << 24
 

@@ -33,6 +33,7 @@ LayeredStoreOptions store_options(const Plan& plan) {
 
 std::map<std::string, std::string> bundle_defines(const Plan& plan) {
   std::map<std::string, std::string> defines = plan_defines(plan);
+  defines.emplace("LUCARIUM_JOINED", "1");
   if (plan.bundle_mode == BundleMode::exact) defines.emplace("BUNDLES_EXACT", "1");
   return defines;
 }
@@ -70,32 +71,25 @@ void BundleEdges::record_prepare(const BundleRays& rays) {
   depth_ = recorder.variable("depth", 0u);
   const uint32_t pixels = plan_.settings.pixels, bundles = plan_.settings.bundles;
   const uint32_t chunks = divide_up(pixels, kBoundsChunk);
+  const BufferRef bounds = recorder.transient<float4>("bounds of points", size_t{2} * chunks);
   recorder.pass("split.key", program_, "key_bundle_rays")
-      .global(pixels)
-      .slice(kSlice)
+      .global(chunks)
+      .local(1)
       .arg("settings", plan_.settings)
       .arg("queue", rays.queue)
       .arg("active", rays.active)
       .arg("states", rays.states)
+      .arg("rays", rays.rays)
+      .arg("chunk", kBoundsChunk)
       .arg("keys", keys_)
-      .arg("values", order_);
+      .arg("values", order_)
+      .arg("bounds", bounds);
   primitives_.record_sort_pairs(recorder, "split.sort", keys_, order_, pixels, std::bit_width(bundles + 1));
   recorder.pass("split.ranges", program_, "find_bundle_starts")
       .global(bundles + 1)
       .arg("settings", plan_.settings)
       .arg("keys", keys_)
       .arg("starts", starts_);
-  const BufferRef bounds = recorder.transient<float4>("bounds of points", size_t{2} * chunks);
-  recorder.pass("bounds", program_, "bound_bundle_points")
-      .global(chunks)
-      .local(1)
-      .arg("queue", rays.queue)
-      .arg("active", rays.active)
-      .arg("states", rays.states)
-      .arg("rays", rays.rays)
-      .arg("chunk", kBoundsChunk)
-      .arg("chunks", chunks)
-      .arg("bounds", bounds);
   PassBuilder views = recorder.pass("bounds.views", program_, "make_bundle_views");
   scene_.bind(views);
   views.global(bundles)

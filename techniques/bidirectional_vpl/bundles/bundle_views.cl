@@ -11,27 +11,28 @@
 #define BUNDLE_VIEW_STREAM 0x76696577u
 #define BUNDLE_MARGIN 3.0f  // pixels: the shift, and a border on both sides
 
-// Keys to sort by: the bundle of ray i; settings.bundles for those that are traced, one more beyond the last ray.
+// Of each run of `chunk` rays: keys to sort by, and the box of the points that look along bundles. The key is the
+// bundle of ray i; settings.bundles for those that are traced, one more beyond the last ray. bounds[2c]: the box's
+// lower corner, bounds[2c + 1] the upper.
 __kernel void key_bundle_rays(const BidirectionalSettings settings, __global const uint* restrict queue,
                               __global const uint* restrict active, __global const EyePathState* restrict states,
-                              __global uint* restrict keys, __global uint* restrict values, uint slice_base) {
-  const uint i = slice_base + (uint)get_global_id(0);
-  if (i >= settings.pixels) return;
-  keys[i] = i < active[0] ? min(states[queue[i]].bundle, settings.bundles) : settings.bundles + 1u;
-  values[i] = i;
-}
-
-// Box of the points that look along bundles, of `chunk` rays: bounds[2c] its lower corner, bounds[2c + 1] the upper.
-__kernel void bound_bundle_points(__global const uint* restrict queue, __global const uint* restrict active,
-                                  __global const EyePathState* restrict states, __global const Ray* restrict rays,
-                                  uint chunk, uint chunks, __global float4* restrict bounds) {
-  const uint c = (uint)get_global_id(0);
-  if (c >= chunks) return;
+                              __global const Ray* restrict rays, uint chunk, __global uint* restrict keys,
+                              __global uint* restrict values, __global float4* restrict bounds) {
+  const uint c = (uint)get_global_id(0), first = c * chunk;
+  if (first >= settings.pixels) return;
+  const uint end = min(first + chunk, settings.pixels), there = clamp(active[0], first, end);
   float4 low = (float4)(INFINITY), high = (float4)(-INFINITY);
-  for (uint i = c * chunk; i < min((c + 1u) * chunk, active[0]); ++i) {
-    if (states[queue[i]].bundle == LUCARIUM_NONE) continue;
+  for (uint i = first; i < there; ++i) {
+    const uint bundle = states[queue[i]].bundle;
+    keys[i] = min(bundle, settings.bundles);
+    values[i] = i;
+    if (bundle == LUCARIUM_NONE) continue;
     low = fmin(low, rays[i].origin);
     high = fmax(high, rays[i].origin);
+  }
+  for (uint i = there; i < end; ++i) {
+    keys[i] = settings.bundles + 1u;
+    values[i] = i;
   }
   bounds[2u * c] = low;
   bounds[2u * c + 1u] = high;

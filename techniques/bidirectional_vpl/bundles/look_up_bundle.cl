@@ -20,7 +20,7 @@ Hit no_hit(void) {
 #ifdef BUNDLES_EXACT
 
 // The nearest triangle of the pixel's list that the ray meets; BLEND and MASK as every ray decides them.
-Hit look_up(const Scene* scene, const FragmentList* list, Ray ray, uint left) {
+LUCARIUM_JOIN Hit look_up(const Scene* scene, const FragmentList* list, Ray ray, uint left) {
   Hit best = no_hit();
   uint first, end;
   if (!list_pixel(list, convert_int2_rtn(list_place(list, ray.origin.xyz)), &first, &end)) return best;
@@ -40,7 +40,7 @@ Hit look_up(const Scene* scene, const FragmentList* list, Ray ray, uint left) {
 #else
 
 // `left`: the triangle that the ray leaves.
-Hit look_up(const Scene* scene, const FragmentList* list, Ray ray, uint left) {
+LUCARIUM_JOIN Hit look_up(const Scene* scene, const FragmentList* list, Ray ray, uint left) {
   const float3 origin = ray.origin.xyz, direction = ray.direction.xyz;
   const Triangle t = scene->scene_triangles[left];
   const float3 front =

@@ -30,10 +30,9 @@ __kernel void count_shadow_rays(__global const uint* restrict active, __global c
   const uint first = (uint)get_global_id(0) * chunk;
   if (first >= active[0]) return;
   uint traced = 0u, chosen = 0u;
-  for (uint i = first; i < min(first + chunk, active[0]); ++i) {
-    traced += ray_is_active(rays[i]);
-    chosen += as_uint(light[i].w) != LUCARIUM_NONE;
-  }
+  const uint end = min(first + chunk, active[0]);
+  for (uint i = first; i < end; ++i) traced += ray_is_active(rays[i]);
+  for (uint i = first; i < (choices ? end : first); ++i) chosen += as_uint(light[i].w) != LUCARIUM_NONE;
   add_count(counts, index, traced);
   if (choices) add_count(counts, BIDIRECTIONAL_COUNT_CHOICES, chosen);
 }

@@ -2,6 +2,7 @@
 // Shadow maps of virtual point lights (Tokuyoshi and Ogaki 2012, section 4.1): five faces of a cube, all that lies
 // before the light's surface, turned about its normal at random. A map serves every connection to its light, whatever
 // the depth of the camera path.
+#define LUCARIUM_JOINED
 #include "bidirectional_vpl/maps/seen_maps.clh"
 #include "lucarium/path_vertex.clh"
 #include "lucarium/random.clh"
@@ -62,12 +63,17 @@ __kernel void test_vpl_maps(LUCARIUM_SCENE_PARAMETERS uint vertices_per_path,
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
   const Ray ray = rays[i];
-  traced[i] = ray;
-  if (!ray_is_active(ray)) return;
+  if (!ray_is_active(ray)) {
+    traced[i] = ray;
+    return;
+  }
   const uint slot = connection_paths[i] * vertices_per_path + (as_uint(connections[i].w) >> 16) - 1u;
   const PathVertex vertex = vertices[slot];
   const float3 direction = -ray.direction.xyz;
-  if (dot(vertex.normal.xyz, direction) <= 0.0f) return;
+  if (dot(vertex.normal.xyz, direction) <= 0.0f) {
+    traced[i] = ray;
+    return;
+  }
   traced[i] = inactive_ray();
   const uint map = places[slot];
   float2 place;

@@ -21,6 +21,13 @@ static uint layered_bounds_of(__global const uint* bounds, __global const uint* 
   return i < triangles ? bounds[i] : extra_bounds[i - triangles];
 }
 
+// Whether i begins a block of triangles (of `end`) of which none has bounds: most of those that a view does not see.
+static bool layered_none_seen(__global const uint* bounds, uint i, uint end) {
+  if ((i & 15u) != 0u || i + 16u > end) return false;
+  const uint8 none = (uint8)(LAYERED_NO_BOUNDS), first = vload8(0, bounds + i), second = vload8(0, bounds + i + 8u);
+  return layered_signs8(((first ^ none) | (second ^ none)) != 0u) == 0u;
+}
+
 #define LAYERED_EACH_TILE(bounds, tile)                                                                           \
   for (uint ty = (bounds) >> 8 & 0xffu; ty <= (bounds) >> 24; ++ty)                                               \
     for (uint tile = ty * tiles_x + ((bounds)&0xffu), end = ty * tiles_x + ((bounds) >> 16 & 0xffu); tile <= end; \
@@ -36,7 +43,8 @@ __kernel void layered_count_bins(__global const uint* layered_bounds, __global c
   __global uint* counts = layered_histogram + chunk * stride;
   for (uint tile = 0u; tile < stride; tile += 16u) vstore16((uint16)(0u), 0, counts + tile);
   const LayeredRun run = layered_run(chunk, triangles + layered_clipped[0] * LAYERED_CLIP_PARTS);
-  for (uint i = run.first; i < run.end; ++i) {
+  const uint whole = min(run.end, triangles);
+  for (uint i = run.first; i < run.end; i += layered_none_seen(layered_bounds, i, whole) ? 16u : 1u) {
     const uint bounds = layered_bounds_of(layered_bounds, layered_extra_bounds, triangles, i);
     if (bounds != LAYERED_NO_BOUNDS) LAYERED_EACH_TILE(bounds, tile)++ counts[tile];
   }
@@ -68,7 +76,8 @@ __kernel void layered_fill_bins(__global const uint* layered_bounds, __global co
   for (uint tile = 0u; tile < stride; tile += 16u)
     vstore16(vload16(0, places + tile) + vload16(0, layered_starts + tile), 0, places + tile);
   const LayeredRun run = layered_run(chunk, triangles + layered_clipped[0] * LAYERED_CLIP_PARTS);
-  for (uint i = run.first; i < run.end; ++i) {
+  const uint whole = min(run.end, triangles);
+  for (uint i = run.first; i < run.end; i += layered_none_seen(layered_bounds, i, whole) ? 16u : 1u) {
     const uint bounds = layered_bounds_of(layered_bounds, layered_extra_bounds, triangles, i);
     if (bounds != LAYERED_NO_BOUNDS) LAYERED_EACH_TILE(bounds, tile) layered_pairs[places[tile]++] = i;
   }

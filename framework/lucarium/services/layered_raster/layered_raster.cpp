@@ -88,6 +88,9 @@ void LayeredRaster::State::follow() {
     geometry =
         TypedBuffer<float>(scheduler.device(), owner, "de-indexed triangles",
                            size_t{LAYERED_BLOCK_WORDS} * divide_up(std::max(1u, triangles), 16), fewer_triangles);
+    boxes = {};
+    boxes = TypedBuffer<float4>(scheduler.device(), owner, "boxes of triangles",
+                                size_t{2} * divide_up(std::max(1u, triangles), 16), fewer_triangles);
     unsure = {};
     unsure = TypedBuffer<uint32_t>(scheduler.device(), owner, "triangles to test",
                                    divide_up(std::max(1u, triangles), 16), fewer_triangles);
@@ -97,6 +100,7 @@ void LayeredRaster::State::follow() {
     pass.global(divide_up(std::max(1u, triangles), 16))
         .local(1)
         .arg("layered_unsure", unsure)
+        .arg("layered_boxes", boxes)
         .arg("layered_geometry", geometry);
     gather = recorder.compile();
   }
@@ -143,12 +147,14 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
     if (options.classes) pass.arg("layered_classes", view.classes);
     return pass;
   };
+  const uint32_t block_runs = divide_up(blocks, LAYERED_BLOCKS_EACH);
   class_pass(".set_up", "layered_set_up")
-      .global(blocks)
+      .global(block_runs)
       .local(1)
       .arg("layered_views", view.views)
       .arg("layered_view", view.index)
       .arg("layered_geometry", geometry)
+      .arg("layered_boxes", boxes)
       .arg("triangles", triangles)
       .arg("layered_records", bins.records)
       .arg("layered_bounds", bins.bounds)
@@ -164,7 +170,7 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
   bins.extra_bounds =
       recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, options.remedy);
   class_pass(".clip", "layered_clip_triangles")
-      .global(blocks)
+      .global(block_runs)
       .local(1)
       .arg("layered_views", view.views)
       .arg("layered_view", view.index)
@@ -224,14 +230,26 @@ void LayeredRaster::State::record_tiles(ScheduleRecorder& recorder, const std::s
                                         const LayeredBins& bins, const Program& consumer, std::string_view kernel,
                                         const std::function<void(PassBuilder&)>& bind) const {
   const uint32_t rows = divide_up(options.max_height, LAYERED_TILE_ROWS);
-  for (uint32_t parity = 0; parity < std::min(2u, rows); ++parity) {
-    PassBuilder pass = recorder.pass(name + (parity ? ".odd_rows" : ".even_rows"), consumer, kernel);
-    pass.global(divide_up(rows - parity, 2))
-        .local(1)
-        .slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
-    bind_tiles(pass, view, bins, parity);
-    bind(pass);
-  }
+  for (uint32_t parity = 0; parity < std::min(2u, rows); ++parity)
+    record_rows(recorder, name + (parity ? ".odd_rows" : ".even_rows"), view, bins, consumer, kernel, parity,
+                divide_up(rows - parity, 2), bind);
+}
+
+void LayeredRaster::State::record_all_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                                           const LayeredBins& bins, const Program& consumer, std::string_view kernel,
+                                           const std::function<void(PassBuilder&)>& bind) const {
+  record_rows(recorder, name, view, bins, consumer, kernel, LAYERED_ALL_ROWS,
+              divide_up(options.max_height, LAYERED_TILE_ROWS), bind);
+}
+
+void LayeredRaster::State::record_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                                       const LayeredBins& bins, const Program& consumer, std::string_view kernel,
+                                       uint32_t parity, uint32_t rows,
+                                       const std::function<void(PassBuilder&)>& bind) const {
+  PassBuilder pass = recorder.pass(name, consumer, kernel);
+  pass.global(rows).local(1).slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
+  bind_tiles(pass, view, bins, parity);
+  bind(pass);
 }
 
 void LayeredRaster::State::bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins,
@@ -259,7 +277,7 @@ size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOption
   const size_t blocks = (std::max<size_t>(1, triangles) + 15) / 16,
                pixels = size_t{options.max_width} * options.max_height;
   const size_t tiles = size_t{divide_up(options.max_width, lanes)} * divide_up(options.max_height, LAYERED_TILE_ROWS);
-  const size_t geometry = blocks * (LAYERED_BLOCK_WORDS + 1) * sizeof(uint32_t),
+  const size_t geometry = blocks * (LAYERED_BLOCK_WORDS + 1 + 8) * sizeof(uint32_t),
                records = blocks * ((16 + 1) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord));
   const size_t pairs = 2 * triangles + layers * tiles;  // a triangle lies in a tile, or in all that it covers
   const size_t bins = (size_t{chunks} + 1) * (tiles + 16) + pairs;

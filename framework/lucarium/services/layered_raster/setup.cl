@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From world-space triangles to LayeredRecords of a view: gather, project, snap, orient, bound. LAYERED_PERSPECTIVE,
 // LAYERED_CONSERVATIVE and LAYERED_CLASSES as LayeredRaster::defines() says.
-#include "lucarium/math.clh"
-#include "lucarium/services/layered_raster/project.clh"
+#include "lucarium/services/layered_raster/cull.clh"
 
 #ifdef LAYERED_CLASSES
 #define LAYERED_CLASS_PARAMETERS __global const uchar *layered_classes,
@@ -30,16 +29,18 @@ bool layered_unsure_area(const float4* p) {
 }
 
 // De-indexed positions in blocks of 16 triangles, component by component, so that set-up is all vector loads.
+// layered_boxes: per block, what its triangles lie in.
 // layered_unsure: per block, the triangles (bits) that may have no area. Those that have none would get one where
 // corners are snapped, and have fragments though no ray hits them: the host takes them out.
 __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __global const Vertex* scene_vertices,
                                        __global const Triangle* scene_triangles,
                                        __global const Instance* scene_instances,
                                        __global const Material* scene_materials, __global uint* layered_unsure,
-                                       __global float* layered_geometry) {
+                                       __global LayeredBox* layered_boxes, __global float* layered_geometry) {
   const uint block = get_global_id(0);
   __global float* out = layered_geometry + block * LAYERED_BLOCK_WORDS;
   uint unsure = 0u;
+  float3 low = (float3)(INFINITY), high = (float3)(-INFINITY);
   for (uint lane = 0u; lane < 16u; ++lane) {
     const uint index = block * 16u + lane;
     float4 p[3] = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
@@ -53,6 +54,8 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
       const uint material = scene_materials[scene_instances[triangle.instance].material].flags;
       flags = material & (LUCARIUM_MATERIAL_MASK | LUCARIUM_MATERIAL_BLEND) ? LAYERED_RECORD_ALPHA : 0u;
       if (layered_unsure_area(p)) unsure |= 1u << lane;
+      low = fmin(low, fmin(p[0].xyz, fmin(p[1].xyz, p[2].xyz)));
+      high = fmax(high, fmax(p[0].xyz, fmax(p[1].xyz, p[2].xyz)));
     }
     // Store component by component.
     for (uint corner = 0u; corner < 3u; ++corner) {
@@ -63,57 +66,75 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
     out[9u * 16u + lane] = as_float(flags);
   }
   layered_unsure[block] = unsure;
+  layered_boxes[block] = layered_box(low, high);
 }
 
-// Records and tile bounds of 16 triangles. Triangles that must be clipped get no bounds here, but are counted.
-__kernel void layered_set_up(LAYERED_CLASS_PARAMETERS __global const LayeredView* layered_views, uint layered_view,
-                             __global const float* layered_geometry, uint triangles,
-                             __global LayeredRecord* layered_records, __global uint* layered_bounds,
-                             __global uint* layered_clip_counts) {
-  const uint block = get_global_id(0);
-  if (block * 16u >= triangles) return;
-  const LayeredView view = layered_views[layered_view];
-  __global const float* in = layered_geometry + block * LAYERED_BLOCK_WORDS;
+// Records and tile bounds of a block's triangles. Triangles that must be clipped get no bounds here, but are counted.
+static void layered_set_up_block(const LayeredView* view, __global const float* in, int16 left_out, uint block,
+                                 uint triangles, __global LayeredRecord* records, __global uint* bounds,
+                                 __global uint* clip_counts) {
   LayeredCorner16 corners[3];
   for (uint k = 0u; k < 3u; ++k)
-    corners[k] = layered_project16(&view, vload16(3u * k, in), vload16(3u * k + 1u, in), vload16(3u * k + 2u, in));
-  const int16 left_out = LAYERED_LEFT_OUT(block, view);
-  const int16 clip = layered_needs_clip16(&view, corners) & ~left_out;
-  LayeredSetUp16 set = layered_set_up16(&view, corners, clip | left_out);
+    corners[k] = layered_project16(view, vload16(3u * k, in), vload16(3u * k + 1u, in), vload16(3u * k + 2u, in));
+  const int16 clip = layered_needs_clip16(view, corners) & ~left_out;
+  LayeredSetUp16 set = layered_set_up16(view, corners, clip | left_out);
   const uint16 flags = as_uint16(vload16(9, in)) | set.flags;
-  vstore16(set.bounds, block, layered_bounds);
+  vstore16(set.bounds, block, bounds);
   const int16 ones = clip & 1;
   const int8 eight = ones.lo + ones.hi;
   const int4 four = eight.lo + eight.hi;
-  layered_clip_counts[block] = (uint)(four.x + four.y + four.z + four.w);
-  layered_store_records(layered_records + block * 16u, &set, block * 16u, flags, min(triangles - block * 16u, 16u));
+  clip_counts[block] = (uint)(four.x + four.y + four.z + four.w);
+  layered_store_records(records + block * 16u, &set, block * 16u, flags, min(triangles - block * 16u, 16u));
 }
 
-// What clipping adds: parts of the clipped triangles of a block, LAYERED_CLIP_PARTS places each. `layered_clip_counts`
-// scanned.
+// LAYERED_BLOCKS_EACH blocks to a work-item.
+__kernel void layered_set_up(LAYERED_CLASS_PARAMETERS __global const LayeredView* layered_views, uint layered_view,
+                             __global const float* layered_geometry, __global const LayeredBox* layered_boxes,
+                             uint triangles, __global LayeredRecord* layered_records, __global uint* layered_bounds,
+                             __global uint* layered_clip_counts) {
+  const uint first = (uint)get_global_id(0) * LAYERED_BLOCKS_EACH, blocks = (triangles + 15u) / 16u;
+  const LayeredView view = layered_views[layered_view];
+  const LayeredSight sight = layered_sight(&view);
+  for (uint block = first; block < min(first + LAYERED_BLOCKS_EACH, blocks); ++block) {
+    const LayeredBox box = layered_boxes[block];
+    if (layered_out_of_sight(&sight, &box)) {
+      vstore16((uint16)(LAYERED_NO_BOUNDS), block, layered_bounds);
+      layered_clip_counts[block] = 0u;
+      continue;
+    }
+    layered_set_up_block(&view, layered_geometry + block * LAYERED_BLOCK_WORDS, LAYERED_LEFT_OUT(block, view), block,
+                         triangles, layered_records, layered_bounds, layered_clip_counts);
+  }
+}
+
+// What clipping adds: parts of the clipped triangles of a block, LAYERED_CLIP_PARTS places each, from `place` on.
+static void layered_clip_block(const LayeredView* view, __global const float* in, int16 left_out, uint block,
+                               uint place, __global LayeredRecord* extra, __global LayeredClip* clips,
+                               __global uint* extra_bounds) {
+  for (uint lane = 0u; lane < 16u; ++lane) {
+    if (((const int*)&left_out)[lane]) continue;
+    LayeredCorner corners[3];
+    for (uint k = 0u; k < 3u; ++k)
+      corners[k] = layered_project(view, in[3u * k * 16u + lane], in[(3u * k + 1u) * 16u + lane],
+                                   in[(3u * k + 2u) * 16u + lane]);
+    if (!layered_needs_clip(view, corners)) continue;
+    layered_clip(view, corners, block * 16u + lane, as_uint(in[9u * 16u + lane]), extra, clips, extra_bounds, place);
+    place += LAYERED_CLIP_PARTS;
+  }
+}
+
+// `layered_clip_counts` scanned; LAYERED_BLOCKS_EACH blocks to a work-item.
 __kernel void layered_clip_triangles(LAYERED_CLASS_PARAMETERS __global const LayeredView* layered_views,
                                      uint layered_view, __global const float* layered_geometry, uint triangles,
                                      __global const uint* layered_clip_counts, __global const uint* layered_clipped,
                                      __global LayeredRecord* layered_extra, __global LayeredClip* layered_clips,
                                      __global uint* layered_extra_bounds) {
-  const uint block = get_global_id(0), blocks = (triangles + 15u) / 16u;
-  if (block >= blocks) return;
-  uint place = layered_clip_counts[block] * LAYERED_CLIP_PARTS;
-  const uint end = (block + 1u < blocks ? layered_clip_counts[block + 1u] : layered_clipped[0]) * LAYERED_CLIP_PARTS;
-  if (place == end) return;
-  const LayeredView view = layered_views[layered_view];
-  __global const float* in = layered_geometry + block * LAYERED_BLOCK_WORDS;
-  for (uint lane = 0u; lane < 16u; ++lane) {
-#ifdef LAYERED_CLASSES
-    if (!(layered_classes[block * 16u + lane] & view.classes)) continue;
-#endif
-    LayeredCorner corners[3];
-    for (uint k = 0u; k < 3u; ++k)
-      corners[k] = layered_project(&view, in[3u * k * 16u + lane], in[(3u * k + 1u) * 16u + lane],
-                                   in[(3u * k + 2u) * 16u + lane]);
-    if (!layered_needs_clip(&view, corners)) continue;
-    layered_clip(&view, corners, block * 16u + lane, as_uint(in[9u * 16u + lane]), layered_extra, layered_clips,
-                 layered_extra_bounds, place);
-    place += LAYERED_CLIP_PARTS;
+  const uint first = (uint)get_global_id(0) * LAYERED_BLOCKS_EACH, blocks = (triangles + 15u) / 16u;
+  for (uint block = first; block < min(first + LAYERED_BLOCKS_EACH, blocks); ++block) {
+    const uint place = layered_clip_counts[block];
+    if (place == (block + 1u < blocks ? layered_clip_counts[block + 1u] : layered_clipped[0])) continue;
+    const LayeredView view = layered_views[layered_view];
+    layered_clip_block(&view, layered_geometry + block * LAYERED_BLOCK_WORDS, LAYERED_LEFT_OUT(block, view), block,
+                       place * LAYERED_CLIP_PARTS, layered_extra, layered_clips, layered_extra_bounds);
   }
 }

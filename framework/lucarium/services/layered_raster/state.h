@@ -29,6 +29,13 @@ struct LayeredRaster::State {
   void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
                     const Program& consumer, std::string_view kernel,
                     const std::function<void(PassBuilder&)>& bind) const;
+  /// All rows of tiles at once: for kernels that write to their own rows alone.
+  void record_all_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                       const LayeredBins& bins, const Program& consumer, std::string_view kernel,
+                       const std::function<void(PassBuilder&)>& bind) const;
+  void record_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
+                   const Program& consumer, std::string_view kernel, uint32_t parity, uint32_t rows,
+                   const std::function<void(PassBuilder&)>& bind) const;
   /// Binds LAYERED_TILE_PARAMETERS (and the scene, if the kernel wants it).
   void bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins, uint32_t parity) const;
   Stored record_tile_store(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
@@ -46,6 +53,7 @@ struct LayeredRaster::State {
   Program program;
   mutable std::map<std::pair<std::string, uint32_t>, Program> consumers;
   TypedBuffer<float> geometry;   ///< blocks of 16 de-indexed triangles
+  TypedBuffer<float4> boxes;     ///< of each block: centre and half its size
   TypedBuffer<uint32_t> unsure;  ///< per block, those (bits) that may have no area
   Schedule gather;
   uint32_t triangles = 0;

@@ -206,8 +206,8 @@ void LayeredRaster::State::record_nearest(ScheduleRecorder& recorder, const std:
       .arg("depth", depth)
       .arg("triangle", triangle)
       .arg("pixels", pixels);
-  record_tiles(recorder, name + ".nearest", view, bins, nearest, "layered_store_nearest",
-               [&](PassBuilder& pass) { pass.arg("depth", depth).arg("triangle", triangle); });
+  record_all_rows(recorder, name + ".nearest", view, bins, nearest, "layered_store_nearest",
+                  [&](PassBuilder& pass) { pass.arg("depth", depth).arg("triangle", triangle); });
 }
 
 LayeredRaster::Stored LayeredRaster::record_stored(ScheduleRecorder& recorder, const std::string& name,
