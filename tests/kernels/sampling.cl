@@ -35,6 +35,30 @@ kernel void film_points(const uint index, const uint first, global float2* toget
   }
 }
 
+// The same block of eight samplers at once, and of each alone, a float4 per sampler; and directions by its first two
+// numbers, w unused.
+kernel void blocks_of_eight(const uint seed, const uint index, const uint block, const uint mode,
+                            global float4* together, global float4* alone, global float4* directions_together,
+                            global float4* directions_alone) {
+  const uint8 lanes = (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u);
+  float8 c[4], x, y, z;
+  sampler_blocks(seed + lanes * 77777u, index + lanes * 8191u, mode, block, c);
+  sample_cosine_hemispheres(c[0], c[1], &x, &y, &z);
+  float numbers[4][8], xs[8], ys[8], zs[8];
+  for (uint k = 0u; k < 4u; ++k) vstore8(c[k], 0, numbers[k]);
+  vstore8(x, 0, xs);
+  vstore8(y, 0, ys);
+  vstore8(z, 0, zs);
+  for (uint k = 0u; k < 8u; ++k) {
+    const Sampler sampler = {seed + k * 77777u, index + k * 8191u, mode};
+    const float4 expected = sampler_block(&sampler, block);
+    together[k] = (float4)(numbers[0][k], numbers[1][k], numbers[2][k], numbers[3][k]);
+    alone[k] = expected;
+    directions_together[k] = (float4)(xs[k], ys[k], zs[k], 0.0f);
+    directions_alone[k] = (float4)(sample_cosine_hemisphere(expected.xy), 0.0f);
+  }
+}
+
 // How a path's decisions are cut out of the blocks, and how a sampler gets its seed.
 kernel void path_dimensions(const uint vertex, global float4* points, global uint* seeds) {
   const Sampler sampler = make_sampler(3u, 1u, 7u, 11u, LUCARIUM_SAMPLER_SOBOL);

@@ -226,6 +226,37 @@ TEST_CASE("film positions of eight pixels at once are those of each alone") {
     }
 }
 
+TEST_CASE("blocks of eight samplers at once are those of each alone, and so are directions by them") {
+  const auto together = test::test_buffer<float4>(8), alone = test::test_buffer<float4>(8);
+  const auto directions_together = test::test_buffer<float4>(8), directions_alone = test::test_buffer<float4>(8);
+  for (const uint mode : {0u, 1u})
+    for (const uint index : {0u, 5u, 65535u, 65536u, 0x12345678u, 0xffff0000u})
+      for (const uint block : {0u, 1u, 2u, 37u}) {
+        test::run_kernel(sobol_program(), "blocks_of_eight", 1, 1, [&](PassBuilder& pass) {
+          pass.arg("seed", 99u)
+              .arg("index", index)
+              .arg("block", block)
+              .arg("mode", mode)
+              .arg("together", together)
+              .arg("alone", alone)
+              .arg("directions_together", directions_together)
+              .arg("directions_alone", directions_alone);
+        });
+        const auto got = together.download(), expected = alone.download();
+        const auto got_direction = directions_together.download(), direction = directions_alone.download();
+        CAPTURE(mode);
+        CAPTURE(index);
+        CAPTURE(block);
+        for (int k = 0; k < 8; ++k) {
+          for (int d = 0; d < 4; ++d) CHECK(component(got[k], d) == component(expected[k], d));
+          // Compilers are free to join products and sums.
+          CHECK(std::abs(got_direction[k].x - direction[k].x) < 1e-6f);
+          CHECK(std::abs(got_direction[k].y - direction[k].y) < 1e-6f);
+          CHECK(std::abs(got_direction[k].z * got_direction[k].z - direction[k].z * direction[k].z) < 1e-6f);
+        }
+      }
+}
+
 TEST_CASE("Halton points are radical inverses; scrambled ones keep the strata") {
   const int primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
   for (uint d = 0; d < 16; ++d) {

@@ -56,14 +56,15 @@ PathIntegrator::State::State(Device& device_, KernelScheduler& scheduler_, const
   settings = make_settings();
   std::map<std::string, std::string> defines = ray_end_defines(intersector);
   if (options.estimator == PathEstimator::mis_balance) defines["LUCARIUM_BALANCE_HEURISTIC"] = "";
-  program = Program(device, SourceLibrary(),
-                    {"services/path_integrator",
-                     {"lucarium/services/path_integrator/generate_camera_paths.cl",
-                      "lucarium/services/path_integrator/shade_surface.cl",
-                      "lucarium/services/path_integrator/add_unoccluded_light.cl",
-                      "lucarium/services/path_integrator/advance_paths.cl",
-                      "lucarium/services/path_integrator/accumulate_samples.cl"},
-                     defines});
+  program = Program(
+      device, SourceLibrary(),
+      {"services/path_integrator",
+       {"lucarium/services/path_integrator/generate_camera_paths.cl",
+        "lucarium/services/path_integrator/draw_numbers.cl", "lucarium/services/path_integrator/shade_surface.cl",
+        "lucarium/services/path_integrator/add_unoccluded_light.cl",
+        "lucarium/services/path_integrator/advance_paths.cl",
+        "lucarium/services/path_integrator/accumulate_samples.cl"},
+       defines});
   allocate();
   record_generate();
   record_bounce();
@@ -154,7 +155,7 @@ size_t PathIntegrator::estimate_bytes(uint32_t width, uint32_t height, const Pat
   const BatchPlan plan = plan_batches(width, height, options);
   const size_t per_path = 2 * sizeof(Ray) + sizeof(Hit) + sizeof(PathState) +
                           (2 + LUCARIUM_PATH_LAYERS) * sizeof(float4) + sizeof(Ray) + 6 * sizeof(uint32_t) +
-                          (ray_ends ? 3 * sizeof(RayEnds) : 0);
+                          LUCARIUM_PATH_NUMBER_ROWS * sizeof(float) + (ray_ends ? 3 * sizeof(RayEnds) : 0);
   const size_t per_pixel =
       (LUCARIUM_PATH_LAYERS + (options.replicates > 1 ? options.replicates : 0)) * 2 * sizeof(float4) +
       sizeof(uint32_t);

@@ -48,6 +48,8 @@ void PathIntegrator::State::record_bounce() {
   bounce_batch = recorder.variable("batch", PathBatch());
   bounce_settings = recorder.variable("settings", settings);
   const uint32_t capacity = plan.paths();
+  const BufferRef numbers = recorder.transient<float>(
+      "random numbers", size_t{(capacity + 7) / 8} * 8 * LUCARIUM_PATH_NUMBER_ROWS, kLowerBatch);
   const BufferRef hits = recorder.transient<Hit>("hits", capacity, kLowerBatch);
   const BufferRef next_rays = recorder.transient<Ray>("next rays", capacity, kLowerBatch);
   const BufferRef next_queue = recorder.transient<uint32_t>("next queue", capacity, kLowerBatch);
@@ -61,6 +63,14 @@ void PathIntegrator::State::record_bounce() {
   const BufferRef shadow_ends = transient_ray_ends(recorder, intersector, "ends of shadow rays", capacity, kLowerBatch);
 
   intersector.record_closest(recorder, "closest hit", {paths.rays, paths.active, 0, capacity, paths.ends}, hits);
+  recorder.pass("draw numbers", program, "draw_vertex_numbers")
+      .global_by(paths.active, 0, 1.0 / 8)
+      .arg("settings", bounce_settings)
+      .arg("batch", bounce_batch)
+      .arg("queue", paths.queue)
+      .arg("active", paths.active)
+      .arg("path_state", paths.state)
+      .arg("numbers", numbers);
   PassBuilder shade = recorder.pass("shade surface", program, "shade_surface");
   bind_scene(shade);
   shade.global_by(paths.active)
@@ -70,6 +80,7 @@ void PathIntegrator::State::record_bounce() {
       .arg("hits", hits)
       .arg("queue", paths.queue)
       .arg("active", paths.active)
+      .arg("numbers", numbers)
       .arg("path_throughput", paths.throughput)
       .arg("path_state", paths.state)
       .arg("path_radiance", paths.radiance)

@@ -61,8 +61,7 @@ bool can_bring_light(PathSettings settings, uint scatterings, bool delta) {
 
 // The light sample: fills shadow_ray and shadow_light where it may bring something.
 void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const Surface* surface, const Bsdf* bsdf,
-                   const Sampler* sampler, LightChoiceSample u, __global Ray* shadow_ray,
-                   __global float4* shadow_light) {
+                   const VertexNumbers* numbers, __global Ray* shadow_ray, __global float4* shadow_light) {
   const uint scatterings = walk->state.scatterings + 1u;
   if (!(settings.flags & (LUCARIUM_PATH_SAMPLE_LIGHTS | LUCARIUM_PATH_PUNCTUAL))) return;
   if (scatterings > settings.max_scatterings || !path_layer_wanted(settings, scatterings)) return;
@@ -71,9 +70,8 @@ void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const 
   Ray ray;
   RayEnds ends;
   const bool hits_compete = settings.flags & LUCARIUM_PATH_HIT_LIGHTS;
-  const uint seed = path_ray_seed(settings, sampler, 2u * walk->state.segment);
-  if (!sample_light_at(scene, surface, bsdf, u, walk->state.medium, hits_compete, LUCARIUM_ALL_LIGHTS, seed, &light,
-                       &ray, &ends))
+  if (!sample_light_at(scene, surface, bsdf, numbers->light, walk->state.medium, hits_compete, LUCARIUM_ALL_LIGHTS,
+                       numbers->shadow_seed, &light, &ray, &ends))
     return;
   light *= walk->throughput;
   if (!is_contribution(light)) {
@@ -110,9 +108,9 @@ bool count_scattering(PathSettings settings, Walk* walk, bool delta) {
 
 // The BSDF sample. False when the path ends here.
 bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, const Surface* surface, const Bsdf* bsdf,
-                      const Sampler* sampler, float u_lobe, Ray* ray) {
-  const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
-  const BsdfSample sample = sample_bsdf(bsdf, u_lobe, u.direction);
+                      const VertexNumbers* numbers, Ray* ray) {
+  const DirectionSample u = numbers->direction;
+  const BsdfSample sample = sample_bsdf_by(bsdf, numbers->light.lobe, u.direction, &numbers->cosine);
   if (is_black(sample.weight)) return false;
   if (!count_scattering(settings, walk, sample.delta)) return false;
   if (!can_bring_light(settings, walk->state.scatterings, sample.delta)) return false;
@@ -134,7 +132,7 @@ bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, con
     if (u.roulette >= survival) return false;
     walk->throughput /= survival;
   }
-  *ray = make_ray(surface, sample.direction, path_ray_seed(settings, sampler, 2u * walk->state.segment + 1u));
+  *ray = make_ray(surface, sample.direction, numbers->next_seed);
   walk->next_ends = ray_ends(surface, sample.direction);
   walk->state.segment += 1u;
   return true;
@@ -142,7 +140,8 @@ bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, con
 
 // Shades the surface that the path has hit. True when the path goes on along `next_ray`.
 bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, Hit hit, float3 direction,
-               __global float4* path_radiance, __global Ray* shadow_ray, __global float4* shadow_light, Ray* next_ray) {
+               const VertexNumbers* numbers, __global float4* path_radiance, __global Ray* shadow_ray,
+               __global float4* shadow_light, Ray* next_ray) {
   const uint options = settings.flags & LUCARIUM_PATH_GEOMETRIC_NORMALS ? LUCARIUM_SURFACE_GEOMETRIC_NORMALS : 0u;
   const Surface surface = make_surface(scene, hit, direction, options);
 
@@ -159,10 +158,8 @@ bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk*
   const bool lambert_only = (settings.flags & LUCARIUM_PATH_SECONDARY_LAMBERT) && !eye_side;
   const Bsdf bsdf = make_bsdf(scene, &surface, lambert_only ? LUCARIUM_BSDF_LAMBERT_ONLY : 0u);
   if (bsdf_is_black(&bsdf)) return false;
-  const Sampler sampler = make_path_sampler(settings, batch, walk->path);
-  const LightChoiceSample u = sample_light_dimensions(&sampler, walk->state.segment);
-  sample_lights(scene, settings, walk, &surface, &bsdf, &sampler, u, shadow_ray, shadow_light);
-  return sample_direction(scene, settings, walk, &surface, &bsdf, &sampler, u.lobe, next_ray);
+  sample_lights(scene, settings, walk, &surface, &bsdf, numbers, shadow_ray, shadow_light);
+  return sample_direction(scene, settings, walk, &surface, &bsdf, numbers, next_ray);
 }
 
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i];
@@ -170,8 +167,8 @@ bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk*
 __kernel LUCARIUM_FLATTEN void shade_surface(
     LUCARIUM_SCENE_PARAMETERS PathSettings settings, PathBatch batch, __global const Ray* restrict rays,
     __global const Hit* restrict hits, __global const uint* restrict queue, __global const uint* restrict active,
-    __global float4* restrict path_throughput, __global PathState* restrict path_state,
-    __global float4* restrict path_radiance,
+    __global const float* restrict numbers, __global float4* restrict path_throughput,
+    __global PathState* restrict path_state, __global float4* restrict path_radiance,
     LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends) __global Ray* restrict next_rays,
     __global uint* restrict next_queue, __global uint* restrict alive, __global Ray* restrict shadow_rays,
     __global float4* restrict shadow_light) {
@@ -185,6 +182,7 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
   Walk walk;
   walk.path = queue[i];
   walk.state = path_state[walk.path];
+  const VertexNumbers of_vertex = vertex_numbers(numbers, i);
   const float4 carried = path_throughput[walk.path];
   walk.throughput = carried.xyz;
   walk.pdf = carried.w;
@@ -197,7 +195,7 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
   if (hit.triangle == LUCARIUM_NO_HIT)
     add_environment(&scene, settings, batch, &walk, direction, path_radiance);
   else
-    goes_on = shade_hit(&scene, settings, batch, &walk, hit, direction, path_radiance, &shadow_rays[i],
+    goes_on = shade_hit(&scene, settings, batch, &walk, hit, direction, &of_vertex, path_radiance, &shadow_rays[i],
                         &shadow_light[i], &next_ray);
 
   // Store the state; dead paths are compacted away by alive.
