@@ -40,7 +40,7 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
                            const SideAccessibility& accessibility, const CellBuffers& cells,
                            const TypedBuffer<float4>& records, const Options& options)
     : scheduler_(&scheduler),
-      host_scene_(&host_scene),
+      depth_range_(2.002 * static_cast<double>(host_scene.bounds().radius()) + 1e-6),
       maps_(&maps),
       options_(options),
       views_(device, technique_name, "view of a subfield", 1),
@@ -225,13 +225,12 @@ bool SubfieldRuns::begin(const FieldLine& subfield, uint32_t number, bool emissi
   const auto times = [&](const float4& row) {
     return float4(row.x * pixels, row.y * pixels, row.z * pixels, row.w * pixels);
   };
-  const double range = 2.002 * static_cast<double>(host_scene_->bounds().radius()) + 1e-6;
   LayeredView view{};
   view.row_x = times(subfield.row_x);
   view.row_y = times(subfield.row_y);
   view.row_w = subfield.row_w;
-  view.depth_min = static_cast<float>(-0.5 * range);
-  view.depth_scale = static_cast<float>(1 / range);
+  view.depth_min = static_cast<float>(-0.5 * depth_range_);
+  view.depth_scale = static_cast<float>(1 / depth_range_);
   view.width = view.height = options_.subfield.cells << options_.subfield.shift;
   view.seed = indexed_seed(options_.blend_seed, number);
   begin_.set(view_, view);

@@ -78,7 +78,7 @@ class SubfieldRuns {
   bool begin(const FieldLine& subfield, uint32_t number, bool emission);
 
   KernelScheduler* scheduler_;
-  const Scene* host_scene_;
+  double depth_range_;  ///< of views [m]; known once, since Scene::bounds() looks at every vertex
   const TileMaps* maps_;
   Options options_;
   std::vector<FieldLine> perturbed_;

@@ -53,7 +53,7 @@ TEST_CASE("a furnace with a mirror for a wall is a furnace") {
   CHECK(vlf::describe_tiles(rig.field().maps(), side_of(0)).size() == 1);
 }
 
-TEST_CASE("a lobe that no direction of a coarse grid lies in shows what an ideal one does") {
+TEST_CASE("cells of a lobe that no direction of a coarse grid lies in are not black") {
   const SceneMaterial wall = test::emitter(1, 0.5f);
   for (const uint64_t seed : {1, 2, 3}) {
     CAPTURE(seed);

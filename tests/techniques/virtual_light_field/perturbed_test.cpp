@@ -7,6 +7,7 @@
 #include <random>
 
 #include "field_rig.h"
+#include "invisible_sheet.h"
 #include "lucarium/base/numbers.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -45,6 +46,20 @@ Scene plates_under_sky() {
   sky.width = sky.height = 4;
   sky.radiance.assign(16, glm::vec3(1));
   scene.environment = sky;
+  return scene;
+}
+
+/// A room with a wall of rough metal. A block is sunk into its floor, so that hidden parts of the floor meet the
+/// block's backs, and clear glass hovers over the floor beside it and before the metal.
+Scene block_and_glass() {
+  const SceneMaterial wall = test::emitter(1, 0.5f);
+  Scene scene = test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror(0.9f, 0.8f)}});
+  add_instance(scene, add_mesh(scene, MeshBuilder("block").box({0.1f, -0.2f, 0.1f}, {0.43f, 0.3f, 0.47f}).take()),
+               test::add_material(scene, test::lambert(0.5f)));
+  const int glass = test::add_material(scene, test::invisible_glass());
+  test::add_polygon(scene, {{0.52f, 0.03f, 0.9f}, {0.9f, 0.03f, 0.9f}, {0.9f, 0.03f, 0.3f}, {0.52f, 0.03f, 0.3f}},
+                    glass);
+  test::add_polygon(scene, {{0.97f, 0.4f, 0.3f}, {0.97f, 0.4f, 0.8f}, {0.97f, 0.8f, 0.8f}, {0.97f, 0.8f, 0.3f}}, glass);
   return scene;
 }
 
@@ -180,6 +195,24 @@ TEST_CASE("kept fragments give the bits of drawn ones, all or some of them kept"
     CHECK(kept > 0);
     CHECK(4 * kept < subfields);
   }
+}
+
+TEST_CASE("kept fragments give the bits of drawn ones where texels have halves, cells are coarse and parts hidden") {
+  vlf::Parameters parameters = field(6, 32, 1024, 1);
+  parameters.dir_levels = 1;
+  const auto bits = [&](int megabytes) {
+    parameters.cache_visibility = megabytes;
+    test::FieldRig rig(block_and_glass(), parameters, {.max_bounces = 3});
+    rig.propagate();
+    const auto& surfaces = rig.surfaces();
+    REQUIRE(surfaces.accessibility.side_halves().two());
+    REQUIRE(rig.field().maps().coarse_cells() > 0);
+    const std::vector<float2> shares = surfaces.interior.shares().download();
+    REQUIRE(std::any_of(shares.begin(), shares.end(), [](const float2& s) { return s.y < 1; }));
+    CHECK((rig.field().counts().kept_subfields > 0) == (megabytes > 0));
+    return bits_of(rig);
+  };
+  CHECK(bits(0) == bits(512));
 }
 
 TEST_CASE("rows of cells hold what tiles hold, in fewer cells") {
