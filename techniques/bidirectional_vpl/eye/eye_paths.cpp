@@ -19,6 +19,7 @@ namespace lucarium::bidirectional {
 std::map<std::string, std::string> EyePaths::defines() const {
   std::map<std::string, std::string> all = ray_end_defines(intersector_);
   all.merge(eye_defines(plan_));
+  all.emplace("LUCARIUM_JOINED", "1");
   return all;
 }
 
@@ -45,9 +46,10 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       owner_(owner),
       primitives_(device),
       program_(make_program(device, bidirectional_vpl_kernels(),
-                            {"bidirectional_vpl/eye/begin_eye_paths", "bidirectional_vpl/eye/shade_eye_vertices",
-                             "bidirectional_vpl/eye/add_eye_light", "bidirectional_vpl/eye/add_iteration",
-                             "bidirectional_vpl/eye/count_rays", "lucarium/services/path_integrator/advance_paths"},
+                            {"bidirectional_vpl/eye/begin_eye_paths", "bidirectional_vpl/eye/connect_to_all",
+                             "bidirectional_vpl/eye/shade_eye_vertices", "bidirectional_vpl/eye/add_eye_light",
+                             "bidirectional_vpl/eye/add_iteration", "bidirectional_vpl/eye/count_rays",
+                             "lucarium/services/path_integrator/advance_paths"},
                             defines())),
       rays_(device, owner, "rays of camera paths", plan.settings.pixels, remedies::lower_size),
       ends_(make_ray_ends(device, intersector, owner, "ends of rays of camera paths", plan.settings.pixels,

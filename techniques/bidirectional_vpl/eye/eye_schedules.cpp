@@ -9,8 +9,6 @@
 #include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/ray.h"
 
-const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
-
 namespace lucarium::bidirectional {
 
 void EyePaths::record_begin() {
@@ -112,11 +110,7 @@ void EyePaths::record_connect_to_all() {
   connect_index_ = recorder.variable("sample", 0u);
   connect_number_ = recorder.variable("virtual light", 0u);
   const ShadowedLight light = shadowed_light(recorder, "connections");
-  std::map<std::string, std::string> joined = defines();
-  joined.emplace("LUCARIUM_JOINED", "1");
-  const Program program =
-      make_program(scheduler_.device(), bidirectional_vpl_kernels(), {"bidirectional_vpl/eye/connect_to_all"}, joined);
-  PassBuilder connect = recorder.pass("connect camera paths", program, "connect_to_all");
+  PassBuilder connect = recorder.pass("connect camera paths", program_, "connect_to_all");
   scene_.bind(connect);
   connect.global_by(active_)
       .slice(kSlice)
