@@ -52,7 +52,8 @@ void for_each_extent(const Scene& scene, const SceneSubset& subset, double per_m
 }  // namespace
 
 size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& options, const SceneSubset& subset) {
-  const GridSize size = choose_grid_size(options.abuffer_size, options.grid_size);
+  const bool all_exact = options.intersect == Intersect::exact;
+  const GridSize size = choose_grid_size(options.abuffer_size, options.grid_size, all_exact);
   const size_t triangles = scene.triangle_count();
   const AbufferGrid grid = make_grid(size, subset.bounds(scene), static_cast<uint32_t>(triangles), subset.min_pixel);
   const TriangleClasses classes = classify(scene, options.intersect, subset);
@@ -75,7 +76,11 @@ size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& opt
   const size_t bricks = brick_count(grid);
   // Word, first cell block, and for parity the normals along three axes.
   const size_t per_voxel = 2 * sizeof(uint32_t) + (parity > 0 ? 3 * sizeof(int2) : 0);
-  return triangles * per_triangle + bricks * (64 * per_voxel + 2 * sizeof(uint64_t)) +
+  // A surface has a fragment per pixel; its voxels, each with a cell block, are twice as many as if it lay across one
+  // axis.
+  const double pixels = static_cast<double>(grid.voxels.w) * grid.voxels.w;
+  const auto cells = static_cast<size_t>(2 * exact / pixels * sizeof(uint64_t) * ABUFFER_CELL_WORDS);
+  return triangles * per_triangle + bricks * (64 * per_voxel + 2 * sizeof(uint64_t)) + cells +
          lists(parity, options.attributes == Attributes::stored) + lists(exact, false);
 }
 

@@ -12,8 +12,9 @@ namespace lucarium::abuffer {
 SceneSubset MovingSet::moving_subset(const Scene& scene, const VoxelAbufferOptions& options) {
   SceneSubset subset = moving_instances(scene);
   const Bounds rest = resting_instances(scene).bounds(scene);
+  const bool exact = options.intersect == Intersect::exact;
   if (!rest.empty())
-    subset.min_pixel = make_grid(choose_grid_size(options.abuffer_size, options.grid_size), rest, 0).center.w;
+    subset.min_pixel = make_grid(choose_grid_size(options.abuffer_size, options.grid_size, exact), rest, 0).center.w;
   return subset;
 }
 

@@ -57,6 +57,7 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 // bit 3, in which cells the state of points changes along its axis, or along all axes where that is 3. Word 8 m + j is
 // the slice j across axis m: bit 8 c + b for the coordinates b along m + 1 and c along m + 2, modulo 3.
 #define ABUFFER_CELL_WORDS 24u
+#define ABUFFER_CELLS 8u  // along an edge of a voxel
 
 // Triangle t, as a leaf block of one triangle (lucarium/shared/bvh_layout.h), starts at word t ·
 // ABUFFER_TRIANGLE_WORDS.
@@ -70,6 +71,8 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 
 // Voxels along an edge of the grid, at most: as many as pixels (LAYERED_MAX_EDGE).
 #define ABUFFER_MAX_VOXELS 4096
+// Pixels along an edge of a voxel, at most.
+#define ABUFFER_MAX_VOXEL_EDGE 256
 
 // Words behind the last fragment that vector loads may read.
 #define ABUFFER_PADDING 16u

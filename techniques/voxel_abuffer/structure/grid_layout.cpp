@@ -13,19 +13,25 @@ namespace {
 
 constexpr float margin = 2;          // pixels on each side
 constexpr float rounding = 2.4e-7f;  // four units of a float's last place
+constexpr uint32_t max_exact = 256;  // voxels for exact search: their words grow with the cube
 
 uint32_t component(const uint4& v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
 
 }  // namespace
 
-GridSize choose_grid_size(uint32_t pixels, uint32_t voxels) {
-  if (voxels == 0) {
+GridSize choose_grid_size(uint32_t pixels, uint32_t voxels, bool exact) {
+  if (voxels == 0 && exact) {
+    voxels = std::min((pixels + ABUFFER_CELLS - 1) / ABUFFER_CELLS, max_exact);
+  } else if (voxels == 0) {
     const auto root = static_cast<uint32_t>(std::ceil(std::sqrt(3.0 * pixels)));
     voxels = std::min((root + 15) / 16 * 16, pixels);
   }
   if (voxels > pixels)
     throw_error(ErrorClass::usage, "voxel_abuffer: grid_size={} exceeds abuffer_size={}; voxels have whole pixels",
                 voxels, pixels);
+  if (pixels > ABUFFER_MAX_VOXEL_EDGE * voxels)
+    throw_error(ErrorClass::usage, "voxel_abuffer: abuffer_size={} with grid_size={}; voxels have at most {} pixels",
+                pixels, voxels, ABUFFER_MAX_VOXEL_EDGE);
   const uint32_t edge = std::min((pixels + voxels - 1) / voxels, LAYERED_MAX_EDGE / voxels);
   return {edge * voxels, voxels};
 }

@@ -14,10 +14,11 @@ struct GridSize {
   uint32_t voxels = 64;    ///< N
 };
 
-/// N = √(3n) rounded up to a multiple of 16 where `voxels` is 0 (Hu et al. 2014, section 5); n rounded up to a
-/// multiple of N, or down where it would exceed what can be rasterized, so that voxel faces are pixel edges. Throws
-/// Error{usage} naming `abuffer_size` and `grid_size` where N > n.
-GridSize choose_grid_size(uint32_t pixels, uint32_t voxels);
+/// Where `voxels` is 0, N = √(3n) rounded up to a multiple of 16 (Hu et al. 2014, section 5), or with `exact`, where
+/// all search is, n / 8 and 256 at most: cells are pixels there, and tell columns. n rounded up to a multiple of N, or
+/// down where it would exceed what can be rasterized, so that voxel faces are pixel edges. Throws Error{usage} naming
+/// `abuffer_size` and `grid_size` where N > n.
+GridSize choose_grid_size(uint32_t pixels, uint32_t voxels, bool exact = false);
 
 /// The grid around a scene's bounds: cubic voxels, N along the longest side and in proportion along the others, at
 /// least two pixels of margin on every side. Flat, empty and far scenes get one with edges well above rounding errors.

@@ -5,35 +5,67 @@
 
 // What a work-item marks in.
 typedef struct AbufferWallMarks {
-  __global ulong* cells;
+  ulong* slabs;           // of the voxel column
+  const ulong* searched;  // a bit for each of its voxels that are searched along its axis, or along any
   __global const float* depths;
   __global const uint* fragments;
-  const uint* places;
-  ulong section;    // of the column
   float per_pixel;  // cells per pixel
   uint last_slab;
 } AbufferWallMarks;
 
-// Where the cells begin of the voxels along a voxel column that are searched along `axis`, or along any; whether there
-// are any.
-static bool abuffer_searched_cells(const AbufferGrid* grid, __global const uint* voxels, uint axis, uint voxel_x,
-                                   uint voxel_y, uint depth, uint* places) {
-  bool any = false;
-  for (uint z = 0u; z < depth; ++z) {
-    const uint word = voxels[abuffer_voxel(grid->bricks, abuffer_voxel_of(axis, voxel_x, voxel_y, z))];
-    const uint chosen = word >> ABUFFER_AXIS_SHIFT & 3u;
-    const uint block = (word >> ABUFFER_CELLS_SHIFT) + popcount(word & ABUFFER_EXACT_AXES);
-    const bool here = (word & ABUFFER_PARITY) && (chosen == axis || chosen == 3u);
-    places[z] = here ? block * ABUFFER_CELL_WORDS + 8u * axis : ABUFFER_NO_CELLS;
-    any |= here;
-  }
-  return any;
+// Whether a voxel's word says that it is searched along `axis`, or along any.
+static bool abuffer_searched_along(uint word, uint axis) {
+  const uint chosen = word >> ABUFFER_AXIS_SHIFT & 3u;
+  return (word & ABUFFER_PARITY) && (chosen == axis || chosen == 3u);
 }
 
-static void abuffer_mark_depths(const AbufferWallMarks* m, float low, float high) {
+// Finds those along a voxel column; whether there are any.
+static bool abuffer_find_searched(const AbufferGrid* grid, __global const uint* voxels, uint axis, uint voxel_x,
+                                  uint voxel_y, uint depth, ulong* searched) {
+  ulong any = 0ul;
+  for (uint z = 0u; z < depth; z += 64u) {
+    ulong bits = 0ul;
+    for (uint i = 0u; i < min(depth - z, 64u); ++i) {
+      const uint index = abuffer_voxel(grid->bricks, abuffer_voxel_of(axis, voxel_x, voxel_y, z + i));
+      bits |= (ulong)abuffer_searched_along(voxels[index], axis) << i;
+    }
+    searched[z >> 6] = bits;
+    any |= bits;
+  }
+  return any != 0ul;
+}
+
+// Gives the voxels along a column their marks, in the slices across its axis only: abuffer_turn_cells() makes the
+// others.
+static void abuffer_give_walls(const AbufferWallMarks* m, const AbufferGrid* grid, __global const uint* voxels,
+                               uint axis, uint voxel_x, uint voxel_y, uint depth, __global ulong* cells) {
+  for (uint z = 0u; z < depth; ++z) {
+    if (!(m->searched[z >> 6] >> (z & 63u) & 1ul)) continue;
+    const uint word = voxels[abuffer_voxel(grid->bricks, abuffer_voxel_of(axis, voxel_x, voxel_y, z))];
+    const uint block = (word >> ABUFFER_CELLS_SHIFT) + popcount(word & ABUFFER_EXACT_AXES);
+    vstore8(abuffer_take_slabs(m->slabs, z), axis, cells + block * ABUFFER_CELL_WORDS);
+  }
+}
+
+// Marks a column's cells from slab `first` to slab `last`, in the voxels that are searched: a wall may reach through
+// the whole grid, past voxels of which few are.
+static void abuffer_mark_slabs(const AbufferWallMarks* m, ulong section, uint first, uint last) {
+  for (uint word = first >> 9; word <= last >> 9; ++word) {
+    ulong voxels = m->searched[word];
+    if (word == first >> 9) voxels &= ~0ul << (first >> 3 & 63u);
+    if (word == last >> 9) voxels &= ~0ul >> (63u - (last >> 3 & 63u));
+    for (; voxels; voxels &= voxels - 1ul) {
+      const uint begin = 512u * word + 8u * (uint)popcount(~voxels & (voxels - 1ul));
+      const uint end = min(last, begin + 7u);
+      for (uint slab = max(first, begin); slab <= end; ++slab) m->slabs[slab] |= section;
+    }
+  }
+}
+
+static void abuffer_mark_depths(const AbufferWallMarks* m, ulong section, float low, float high) {
   const uint first = min((uint)(fmax(low, 0.0f) * m->per_pixel), m->last_slab);
   const uint last = min((uint)(fmax(high, 0.0f) * m->per_pixel), m->last_slab);
-  abuffer_mark_slabs(m->cells, m->places, m->section, first, last);
+  abuffer_mark_slabs(m, section, first, last);
 }
 
 // What a fragment adds to the state (ABUFFER_OPEN_STEP).
@@ -43,13 +75,13 @@ static int abuffer_state_step(uint fragment) {
 }
 
 // Marks where the states of two columns differ. Lists: first fragment and end.
-static void abuffer_mark_between(const AbufferWallMarks* m, uint2 own, uint2 other) {
+static void abuffer_mark_between(const AbufferWallMarks* m, ulong section, uint2 own, uint2 other) {
   int difference = 0;
   float since = 0.0f;
   while (own.x < own.y || other.x < other.y) {
     const float mine = own.x < own.y ? m->depths[own.x] : INFINITY;
     const float theirs = other.x < other.y ? m->depths[other.x] : INFINITY;
-    if (difference) abuffer_mark_depths(m, since, fmin(mine, theirs));
+    if (difference) abuffer_mark_depths(m, section, since, fmin(mine, theirs));
     since = fmin(mine, theirs);
     if (mine <= theirs)
       difference += abuffer_state_step(m->fragments[own.x++]);
@@ -65,31 +97,49 @@ typedef struct AbufferShortList {
   ulong faces;   // a byte for each of these: 1 against the axis, 255 along it, 3 and 253 of open components, 0 none
 } AbufferShortList;
 
+#define ABUFFER_LONG_LIST 0x0202020202020202ul  // its faces, if it has more than eight
+
 static AbufferShortList abuffer_short_list(const AbufferWallMarks* m, __global const uint* start) {
   AbufferShortList list;
   list.range = vload2(0, start);
   list.depth = vload8(0, m->depths + list.range.x);
+  const uint count = list.range.y - list.range.x;
   const int8 fragments = as_int8(vload8(0, m->fragments + list.range.x));
   const int8 open = (fragments & (int)ABUFFER_OPEN_FRAGMENT) != 0;
   const int8 facing = (fragments >> 31 ^ (open & 2)) | 1;
-  const int8 lanes = (int8)(0, 1, 2, 3, 4, 5, 6, 7) < (int)(list.range.y - list.range.x);
-  list.faces = as_ulong(convert_char8(facing & lanes));
+  const int8 lanes = (int8)(0, 1, 2, 3, 4, 5, 6, 7) < (int)count;
+  list.faces = count > 8u ? ABUFFER_LONG_LIST : as_ulong(convert_char8(facing & lanes));
   return list;
+}
+
+// The lists of a line of columns in a voxel; those of an empty one are not looked at.
+static void abuffer_short_lists(const AbufferWallMarks* m, __global const uint* start, uint line,
+                                AbufferShortList* lists) {
+  const bool empty = start[0] == start[line];
+  for (uint x = 0u; x < line; ++x) {
+    if (empty) {
+      lists[x].range = (uint2)(start[0]);
+      lists[x].faces = 0ul;
+    } else {
+      lists[x] = abuffer_short_list(m, start + x);
+    }
+  }
 }
 
 // Slabs that wait for their marks: those of consecutive columns are often the same.
 typedef struct AbufferWaitingMarks {
   int8 first, last;
   uint count;
+  ulong section;
 } AbufferWaitingMarks;
 
-static void abuffer_flush(AbufferWallMarks* m, AbufferWaitingMarks* waiting) {
+static void abuffer_flush(const AbufferWallMarks* m, AbufferWaitingMarks* waiting) {
   uint firsts[8], lasts[8];
   vstore8(as_uint8(waiting->first), 0, firsts);
   vstore8(as_uint8(waiting->last), 0, lasts);
-  for (uint i = 0u; i < waiting->count; ++i) abuffer_mark_slabs(m->cells, m->places, m->section, firsts[i], lasts[i]);
+  for (uint i = 0u; i < waiting->count; ++i) abuffer_mark_slabs(m, waiting->section, firsts[i], lasts[i]);
   waiting->count = 0u;
-  m->section = 0ul;
+  waiting->section = 0ul;
 }
 
 static int8 abuffer_slabs(const AbufferWallMarks* m, float8 depth) {
@@ -97,46 +147,41 @@ static int8 abuffer_slabs(const AbufferWallMarks* m, float8 depth) {
   return convert_int8(slab > 0.0f ? (slab < last ? slab : last) : (float8)(0.0f));
 }
 
-// Marks what cannot wait: a long list, or walls to neighbours that do not have as many fragments, facing alike.
-static void abuffer_mark_unlike(AbufferWallMarks* m, AbufferWaitingMarks* waiting, const AbufferShortList* own,
-                                const AbufferShortList* const* others, ulong section) {
-  abuffer_flush(m, waiting);
-  m->section = section;
-  for (uint i = own->range.x; i < own->range.y; ++i) abuffer_mark_depths(m, m->depths[i], m->depths[i]);
-  for (uint k = 0u; k < 4u; ++k) abuffer_mark_between(m, own->range, others[k]->range);
-  m->section = 0ul;
-}
+// A column's neighbours, left, right, below and above it, in pairs with it.
+typedef struct AbufferNeighbours {
+  const AbufferShortList* list[4];
+  ulong section[4];  // where a pair's walls are marked; 0: the neighbour has marked them
+} AbufferNeighbours;
 
-// Marks a column's fragments, and its walls to four neighbours: where all have as many fragments, facing alike, each
-// one's walls reach as far as theirs.
-static void abuffer_mark_column(AbufferWallMarks* m, AbufferWaitingMarks* waiting, const AbufferShortList* own,
-                                const AbufferShortList* const* others, ulong section) {
+// Marks a column's fragments, and its walls to four neighbours. Where a neighbour has as many fragments, facing alike,
+// its walls reach as far as these are apart.
+static void abuffer_mark_column(const AbufferWallMarks* m, AbufferWaitingMarks* waiting, const AbufferShortList* own,
+                                const AbufferNeighbours* neighbours, ulong section) {
   const uint count = own->range.y - own->range.x;
-  const ulong unlike = (own->faces ^ others[0]->faces) | (own->faces ^ others[1]->faces) |
-                       (own->faces ^ others[2]->faces) | (own->faces ^ others[3]->faces);
-  uint longest = count;
-  for (uint k = 0u; k < 4u; ++k) longest = max(longest, others[k]->range.y - others[k]->range.x);
-  if (longest == 0u) return;
-  if (unlike || longest > 8u) {
-    abuffer_mark_unlike(m, waiting, own, others, section);
-    return;
-  }
   float8 low = own->depth, high = own->depth;
   for (uint k = 0u; k < 4u; ++k) {
-    const float8 theirs = others[k]->depth;
-    low = theirs < low ? theirs : low;
-    high = theirs > high ? theirs : high;
+    const AbufferShortList* other = neighbours->list[k];
+    if (own->faces == other->faces && count <= 8u) {
+      low = other->depth < low ? other->depth : low;
+      high = other->depth > high ? other->depth : high;
+    } else if (neighbours->section[k]) {
+      abuffer_mark_between(m, neighbours->section[k], own->range, other->range);
+    }
   }
-  const int8 first = abuffer_slabs(m, low), last = abuffer_slabs(m, high);
-  const int8 lanes = (int8)(0, 1, 2, 3, 4, 5, 6, 7) < (int)count;
-  const int8 differ = ((first ^ waiting->first) | (last ^ waiting->last)) & lanes;
-  if (waiting->count != count || as_ulong(convert_char8(differ != 0)) != 0ul) {
-    abuffer_flush(m, waiting);
-    waiting->first = first;
-    waiting->last = last;
-    waiting->count = count;
+  if (count > 8u) {
+    for (uint i = own->range.x; i < own->range.y; ++i) abuffer_mark_depths(m, section, m->depths[i], m->depths[i]);
+  } else if (count > 0u) {
+    const int8 first = abuffer_slabs(m, low), last = abuffer_slabs(m, high);
+    const int8 lanes = (int8)(0, 1, 2, 3, 4, 5, 6, 7) < (int)count;
+    const int8 differ = ((first ^ waiting->first) | (last ^ waiting->last)) & lanes;
+    if (waiting->count != count || as_ulong(convert_char8(differ != 0)) != 0ul) {
+      abuffer_flush(m, waiting);
+      waiting->first = first;
+      waiting->last = last;
+      waiting->count = count;
+    }
+    waiting->section |= section;
   }
-  m->section |= section;
 }
 
 // One row of voxel columns per work-item: no two write to one voxel.
@@ -152,34 +197,45 @@ __kernel void abuffer_mark_walls_of_row(__global const AbufferGrid* abuffer_grid
   const int line = (int)edge, size = line * line, row_size = (int)columns * size;
   if (row >= rows) return;
   if (abuffer_counts[first + axis + 1u] > capacity || abuffer_counts[ABUFFER_COUNT_CELLS] > cell_capacity) return;
-  uint places[ABUFFER_MAX_VOXELS];
-  AbufferWallMarks m = {abuffer_cells, abuffer_depths,     abuffer_fragments, places,
-                        0ul,           8.0f / (float)edge, 8u * depth - 1u};
-  AbufferWaitingMarks waiting = {(int8)(0), (int8)(0), 0u};
+  AbufferSections sections;
+  abuffer_find_sections(edge, &sections);
+  AbufferShortList lines[3][ABUFFER_MAX_VOXEL_EDGE];
+  ulong slabs[ABUFFER_SLABS], searched[ABUFFER_MAX_VOXELS / 64];
+  abuffer_clear_slabs(slabs, depth);
+  AbufferWallMarks m = {slabs, searched, abuffer_depths, abuffer_fragments, 8.0f / (float)edge, 8u * depth - 1u};
+  AbufferWaitingMarks waiting = {(int8)(0), (int8)(0), 0u, 0ul};
   __global const uint* start = abuffer_start + axis * grid.bricks.w + (int)row * row_size;
   for (uint voxel = 0u; voxel < columns; ++voxel, start += size) {
-    if (!abuffer_searched_cells(&grid, abuffer_voxels, axis, voxel, row, depth, places)) continue;
-    // Go from column to column. Neighbours may be in the next voxel; beside the grid there is nothing.
-    AbufferCellSpan y_cells = abuffer_first_span(edge);
-    for (int y = 0; y < line; ++y, abuffer_next_span(&y_cells, edge)) {
-      const int begin = y * line;
-      const int below = y > 0 ? -line : row > 0u ? size - row_size - line : 0;
-      const int above = y + 1 < line ? line : row + 1u < rows ? row_size - size + line : 0;
-      AbufferShortList own = abuffer_short_list(&m, start + begin);
-      AbufferShortList left = voxel > 0u ? abuffer_short_list(&m, start + begin - size + line - 1) : own;
-      AbufferCellSpan x_cells = abuffer_first_span(edge);
-      for (int x = 0; x < line; ++x, abuffer_next_span(&x_cells, edge)) {
-        const int here = begin + x;
-        const int next = x + 1 < line ? here + 1 : voxel + 1u < columns ? here + size - line + 1 : here;
-        const AbufferShortList right = abuffer_short_list(&m, start + next);
-        const AbufferShortList down = abuffer_short_list(&m, start + here + below);
-        const AbufferShortList up = abuffer_short_list(&m, start + here + above);
-        const AbufferShortList* const others[4] = {&left, &right, &down, &up};
-        abuffer_mark_column(&m, &waiting, &own, others, abuffer_cell_section(x_cells, y_cells));
-        left = own;
-        own = right;
+    if (!abuffer_find_searched(&grid, abuffer_voxels, axis, voxel, row, depth, searched)) continue;
+    // Go from column to column, with the lists of three lines of them. Neighbours may be in the next voxel; beside the
+    // grid there is nothing.
+    AbufferShortList *below = lines[0], *here = lines[1], *above = lines[2];
+    abuffer_short_lists(&m, row > 0u ? start + size - row_size - line : start, edge, below);
+    abuffer_short_lists(&m, start, edge, here);
+    for (int y = 0; y < line; ++y) {
+      const int begin = y * line, end = begin + line;
+      const bool last = y + 1 == line;
+      abuffer_short_lists(&m, start + (!last ? end : row + 1u < rows ? row_size : begin), edge, above);
+      const AbufferShortList left = voxel > 0u ? abuffer_short_list(&m, start + end - size - 1) : here[0];
+      const AbufferShortList right =
+          voxel + 1u < columns ? abuffer_short_list(&m, start + begin + size) : here[line - 1];
+      ulong section = abuffer_cell_section(&sections, 0u, (uint)y);
+      for (int x = 0; x < line; ++x) {
+        const ulong over = last ? 0ul : abuffer_cell_section(&sections, (uint)x, (uint)y + 1u);
+        const ulong beside = x + 1 < line ? abuffer_cell_section(&sections, (uint)x + 1u, (uint)y) : 0ul;
+        // Walls within the voxel column are marked for both sides at once.
+        const AbufferNeighbours neighbours = {
+            {x > 0 ? &here[x - 1] : &left, x + 1 < line ? &here[x + 1] : &right, &below[x], &above[x]},
+            {x > 0 ? 0ul : section, section | beside, y > 0 ? 0ul : section, section | over}};
+        abuffer_mark_column(&m, &waiting, &here[x], &neighbours, section);
+        section = beside;
       }
       abuffer_flush(&m, &waiting);
+      AbufferShortList* const free = below;
+      below = here;
+      here = above;
+      above = free;
     }
+    abuffer_give_walls(&m, &grid, abuffer_voxels, axis, voxel, row, depth, abuffer_cells);
   }
 }

@@ -10,8 +10,9 @@ __kernel void abuffer_add_base(__global const uint* pixel_start, uint pixels, ui
   abuffer_counts[first + axis + 1u] = abuffer_counts[first + axis] + pixel_start[pixels];
 }
 
-// One row of voxels per work-item. Copies nothing where it would not fit: the host makes room and builds again.
-#define ABUFFER_PACK(COPY)                                                                         \
+// One row of voxels per work-item. Copies nothing where it would not fit: the host makes room and builds again. LEAVE:
+// what is done behind each voxel.
+#define ABUFFER_PACK(COPY, LEAVE)                                                                  \
   const AbufferGrid grid = abuffer_grid[0];                                                        \
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis)); \
   const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = get_global_id(0);  \
@@ -19,13 +20,15 @@ __kernel void abuffer_add_base(__global const uint* pixel_start, uint pixels, ui
   if (row >= rows || abuffer_counts[first + axis + 1u] > capacity) return;                         \
   uint place = abuffer_counts[first + axis] + pixel_start[row * edge * width];                     \
   __global uint* start = abuffer_start + axis * grid.bricks.w + row * columns * edge * edge;       \
-  for (uint voxel = 0u; voxel < columns; ++voxel)                                                  \
+  for (uint voxel = 0u; voxel < columns; ++voxel) {                                                \
     for (uint y = row * edge; y < (row + 1u) * edge; ++y)                                          \
       for (uint x = voxel * edge; x < (voxel + 1u) * edge; ++x) {                                  \
         *start++ = place;                                                                          \
         const uint begin = pixel_start[y * width + x], end = pixel_start[y * width + x + 1u];      \
         for (uint i = begin; i < end; ++i, ++place) COPY                                           \
       }                                                                                            \
+    LEAVE                                                                                          \
+  }                                                                                                \
   if (row + 1u == rows) *start = place
 
 // Lists are ordered by triangle, as abuffer_fill_touched() leaves them.
@@ -45,12 +48,12 @@ __kernel void abuffer_pack_exact(__global const AbufferGrid* abuffer_grid, __glo
     }
     abuffer_depths[at] = interval;
     abuffer_fragments[at] = triangle;
-  });
+  }, );
 }
 
 // Lists come sorted by depth. abuffer_facing, for the average normal of a voxel (Hu et al. 2014, section 3.1): per
 // voxel and axis, its fragments, and those that face against the axis less those along it. They are the sums of |n| and
-// n over the voxel's surface in units of pixels (cleared before).
+// n over the voxel's surface in units of pixels (cleared before), and are gathered for a column of voxels at a time.
 __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __global const uint* pixel_start,
                                   __global const LayeredFragment* fragments, __global const uchar* abuffer_classes,
                                   __global const uint* abuffer_counts, uint axis, uint first, uint capacity,
@@ -59,14 +62,29 @@ __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __gl
   const float corner = axis == 0u   ? abuffer_grid[0].corner.x
                        : axis == 1u ? abuffer_grid[0].corner.y
                                     : abuffer_grid[0].corner.z;
-  ABUFFER_PACK({
-    const LayeredFragment f = fragments[i];
-    const float depth = (f.depth - corner) * grid.corner.w;
-    abuffer_depths[place] = depth;
-    const uchar open = abuffer_classes[f.triangle & ~LAYERED_AWAY] & ABUFFER_OPEN;
-    abuffer_fragments[place] = f.triangle | (open ? ABUFFER_OPEN_FRAGMENT : 0u);
-    const uint z = min((uint)fmax(depth / (float)edge, 0.0f), abuffer_component(grid.voxels, axis) - 1u);
-    const uint index = abuffer_voxel(grid.bricks, abuffer_voxel_of(axis, voxel, row, z));
-    abuffer_facing[3u * index + axis] += (int2)(1, f.triangle & LAYERED_AWAY ? -1 : 1);
-  });
+  const uint deepest = abuffer_component(abuffer_grid[0].voxels, axis) - 1u;
+  int2 facing[ABUFFER_MAX_VOXELS];
+  for (uint z = 0u; z <= deepest; ++z) facing[z] = (int2)(0);
+  uint lowest = deepest, highest = 0u;
+  ABUFFER_PACK(
+      {
+        const LayeredFragment f = fragments[i];
+        const float depth = (f.depth - corner) * grid.corner.w;
+        abuffer_depths[place] = depth;
+        const uchar open = abuffer_classes[f.triangle & ~LAYERED_AWAY] & ABUFFER_OPEN;
+        abuffer_fragments[place] = f.triangle | (open ? ABUFFER_OPEN_FRAGMENT : 0u);
+        const uint z = min((uint)fmax(depth / (float)edge, 0.0f), deepest);
+        lowest = min(lowest, z);
+        highest = max(highest, z);
+        facing[z] += (int2)(1, f.triangle & LAYERED_AWAY ? -1 : 1);
+      },
+      {
+        for (uint z = lowest; z <= highest; ++z) {
+          const uint index = abuffer_voxel(grid.bricks, abuffer_voxel_of(axis, voxel, row, z));
+          abuffer_facing[3u * index + axis] = facing[z];
+          facing[z] = (int2)(0);
+        }
+        lowest = deepest;
+        highest = 0u;
+      });
 }

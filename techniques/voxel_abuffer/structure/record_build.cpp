@@ -81,11 +81,11 @@ void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const Abuffer
   recorder.fill_zero("clear_cells", cells);
   if (exact) exact->record_cells(recorder, grid, sources);
   if (walls) parity->record_cells(recorder, grid, sources);
+  if (!walls) return;
   recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
       .global(voxel_count)
       .arg("abuffer_voxels", voxels)
       .arg("count", voxel_count)
-      .arg("walls", walls ? 1u : 0u)
       .arg("abuffer_counts", counts)
       .arg("cell_capacity", sources.cell_capacity)
       .arg("abuffer_cells", cells);

@@ -36,7 +36,7 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
       buffers(&of),
       options(with),
       subset(part),
-      size(choose_grid_size(with.abuffer_size, with.grid_size)),
+      size(choose_grid_size(with.abuffer_size, with.grid_size, with.intersect == Intersect::exact)),
       primitives(on.device()),
       prepare_program(
           make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/prepare_triangles"})),
@@ -219,6 +219,7 @@ void VoxelAbuffer::State::compile() {
   if (alpha) defines["BVH_ALPHA"] = "";
   if (options.count_work) defines["ABUFFER_COUNT_WORK"] = "";
   if (exact) defines["ABUFFER_WITH_EXACT"] = "";
+  if (exact && grid.voxels.w == ABUFFER_CELLS) defines["ABUFFER_CELLS_ARE_PIXELS"] = "";
   if (parity) {
     defines["ABUFFER_WITH_PARITY"] = "";
     defines["ABUFFER_STEPS"] = options.search == Search::columns ? "0" : options.search == Search::one_step ? "1" : "3";

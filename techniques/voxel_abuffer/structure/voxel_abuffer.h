@@ -32,7 +32,7 @@ enum class Attributes {
 
 struct VoxelAbufferOptions {
   uint32_t abuffer_size = 1280;  ///< n: pixels per side of an A-buffer, 128 to 4096
-  uint32_t grid_size = 0;        ///< N: voxels along the longest side; 0: √(3n)
+  uint32_t grid_size = 0;        ///< N: voxels along the longest side; 0: choose_grid_size()
   Intersect intersect = Intersect::automatic;
   Search search = Search::columns;
   AxisRule axis_rule = AxisRule::absolute_normal;

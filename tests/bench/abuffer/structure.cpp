@@ -36,6 +36,7 @@ abuffer::VoxelAbufferOptions options_of(const std::string& mode, uint32_t size, 
   abuffer::VoxelAbufferOptions o{.abuffer_size = size, .grid_size = grid};
   using abuffer::Intersect;
   o.intersect = mode == "exact" ? Intersect::exact : mode == "auto" ? Intersect::automatic : Intersect::parity;
+  if (mode == "linked") o.list = LayeredVariant::linked_list;
   if (mode == "3" || mode == "1") o.search = mode == "3" ? abuffer::Search::three_steps : abuffer::Search::one_step;
   return o;
 }

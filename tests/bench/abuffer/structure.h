@@ -18,7 +18,8 @@ struct Structure {
 };
 
 inline constexpr const char* structure_modes =
-    "exact, auto, 2d, 3, 1 (the last three: parity), and to compare with: grid, octree, voxel; MODE@N: of N voxels";
+    "exact, auto, 2d, 3, 1 (the last three: parity), linked (2d by linked lists), and to compare with: grid, octree, "
+    "voxel; MODE@N: of N voxels";
 
 /// `size`: abuffer_size, `grid`: grid_size, where `named` names none.
 Structure make_structure(const std::string& named, KernelScheduler& scheduler, const Scene& scene,

@@ -56,7 +56,7 @@ TEST_CASE("exact hits are those of the hierarchy, to the bit: built-in scenes") 
 }
 
 TEST_CASE("exact hits are those of the hierarchy: unconnected triangles of all sizes, any grid") {
-  for (const auto& [size, grid] : {std::pair{128u, 0u}, {300u, 16u}, {256u, 256u}, {1280u, 0u}}) {
+  for (const auto& [size, grid] : {std::pair{128u, 0u}, {300u, 16u}, {256u, 256u}, {1280u, 0u}, {1280u, 64u}}) {
     CAPTURE(size);
     CAPTURE(grid);
     AbufferRig rig(scene_of(random_soup(3000, size)));
