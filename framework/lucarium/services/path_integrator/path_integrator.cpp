@@ -55,6 +55,7 @@ PathIntegrator::State::State(Device& device_, KernelScheduler& scheduler_, const
   make_light_table();
   settings = make_settings();
   std::map<std::string, std::string> defines = ray_end_defines(intersector);
+  defines["LUCARIUM_JOINED"] = "";
   if (options.estimator == PathEstimator::mis_balance) defines["LUCARIUM_BALANCE_HEURISTIC"] = "";
   program = Program(
       device, SourceLibrary(),

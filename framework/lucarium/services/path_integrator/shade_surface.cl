@@ -17,7 +17,7 @@ typedef struct Walk {
 } Walk;
 
 // Adds light that reaches the path's last vertex to the layer it belongs to.
-void add_light(PathBatch batch, Walk* walk, float3 light, __global float4* path_radiance) {
+LUCARIUM_JOIN void add_light(PathBatch batch, Walk* walk, float3 light, __global float4* path_radiance) {
   const float3 contribution = walk->throughput * light;
   if (!is_contribution(contribution))
     walk->state.flags |= PATH_BAD;
@@ -34,15 +34,15 @@ float hit_weight(PathSettings settings, const Walk* walk, float light_pdf) {
   return settings.flags & LUCARIUM_PATH_SAMPLE_LIGHTS ? mis_weight(walk->pdf, light_pdf) : 1.0f;
 }
 
-void add_environment(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, float3 direction,
-                     __global float4* path_radiance) {
+LUCARIUM_JOIN void add_environment(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk,
+                                   float3 direction, __global float4* path_radiance) {
   if (!(settings.flags & LUCARIUM_PATH_SEES_ENVIRONMENT)) return;
   const float weight = hit_weight(settings, walk, pdf_light_environment(scene, direction));
   if (weight > 0.0f) add_light(batch, walk, weight * environment_radiance(scene, direction), path_radiance);
 }
 
-void add_emission(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, const Surface* surface,
-                  float distance, __global float4* path_radiance) {
+LUCARIUM_JOIN void add_emission(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk,
+                                const Surface* surface, float distance, __global float4* path_radiance) {
   if (!(settings.flags & LUCARIUM_PATH_SEES_TRIANGLES)) return;
   const float3 emission = emitted_radiance(scene, surface);
   if (is_black(emission)) return;
@@ -60,8 +60,9 @@ bool can_bring_light(PathSettings settings, uint scatterings, bool delta) {
 }
 
 // The light sample: fills shadow_ray and shadow_light where it may bring something.
-void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const Surface* surface, const Bsdf* bsdf,
-                   const VertexNumbers* numbers, __global Ray* shadow_ray, __global float4* shadow_light) {
+LUCARIUM_JOIN void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const Surface* surface,
+                                 const Bsdf* bsdf, const VertexNumbers* numbers, __global Ray* shadow_ray,
+                                 __global float4* shadow_light) {
   const uint scatterings = walk->state.scatterings + 1u;
   if (!(settings.flags & (LUCARIUM_PATH_SAMPLE_LIGHTS | LUCARIUM_PATH_PUNCTUAL))) return;
   if (scatterings > settings.max_scatterings || !path_layer_wanted(settings, scatterings)) return;
@@ -107,8 +108,8 @@ bool count_scattering(PathSettings settings, Walk* walk, bool delta) {
 }
 
 // The BSDF sample. False when the path ends here.
-bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, const Surface* surface, const Bsdf* bsdf,
-                      const VertexNumbers* numbers, Ray* ray) {
+LUCARIUM_JOIN bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, const Surface* surface,
+                                    const Bsdf* bsdf, const VertexNumbers* numbers, Ray* ray) {
   const DirectionSample u = numbers->direction;
   const BsdfSample sample = sample_bsdf_by(bsdf, numbers->light.lobe, u.direction, &numbers->cosine);
   if (is_black(sample.weight)) return false;
@@ -138,10 +139,20 @@ bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, con
   return true;
 }
 
-// Shades the surface that the path has hit. True when the path goes on along `next_ray`.
-bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, Hit hit, float3 direction,
-               const VertexNumbers* numbers, __global float4* path_radiance, __global Ray* shadow_ray,
-               __global float4* shadow_light, Ray* next_ray) {
+bool may_emit(const Scene* scene, PathSettings settings, uint triangle) {
+  if (!(settings.flags & LUCARIUM_PATH_SEES_TRIANGLES)) return false;
+  const uint material = scene->scene_instances[scene->scene_triangles[triangle].instance].material;
+  return scene->scene_materials[material].flags & LUCARIUM_MATERIAL_EMISSIVE;
+}
+
+// Shades the surface that ray i of the queue has hit. True when the path goes on along `next_ray`.
+LUCARIUM_JOIN bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, Hit hit,
+                             float3 direction, __global const float* numbers, uint i, __global float4* path_radiance,
+                             __global Ray* shadow_ray, __global float4* shadow_light, Ray* next_ray) {
+  // Where only more counted scatterings than wanted could follow, the ray was for emitters alone.
+  const bool eye_side = walk->state.scatterings == 0u;
+  const bool ends = path_ends_here(settings, walk->state);
+  if (ends && !may_emit(scene, settings, hit.triangle)) return false;
   const uint options = settings.flags & LUCARIUM_PATH_GEOMETRIC_NORMALS ? LUCARIUM_SURFACE_GEOMETRIC_NORMALS : 0u;
   const Surface surface = make_surface(scene, hit, direction, options);
 
@@ -152,14 +163,14 @@ bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk*
   // Add what the surface emits.
   add_emission(scene, settings, batch, walk, &surface, hit.distance, path_radiance);
 
-  // Scatter, unless only more counted scatterings than wanted could follow.
-  const bool eye_side = walk->state.scatterings == 0u;
-  if (walk->state.scatterings >= settings.max_scatterings && !eye_side) return false;
+  // Scatter.
+  if (ends) return false;
   const bool lambert_only = (settings.flags & LUCARIUM_PATH_SECONDARY_LAMBERT) && !eye_side;
   const Bsdf bsdf = make_bsdf(scene, &surface, lambert_only ? LUCARIUM_BSDF_LAMBERT_ONLY : 0u);
   if (bsdf_is_black(&bsdf)) return false;
-  sample_lights(scene, settings, walk, &surface, &bsdf, numbers, shadow_ray, shadow_light);
-  return sample_direction(scene, settings, walk, &surface, &bsdf, numbers, next_ray);
+  const VertexNumbers of_vertex = vertex_numbers(numbers, i);
+  sample_lights(scene, settings, walk, &surface, &bsdf, &of_vertex, shadow_ray, shadow_light);
+  return sample_direction(scene, settings, walk, &surface, &bsdf, &of_vertex, next_ray);
 }
 
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i];
@@ -182,7 +193,6 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
   Walk walk;
   walk.path = queue[i];
   walk.state = path_state[walk.path];
-  const VertexNumbers of_vertex = vertex_numbers(numbers, i);
   const float4 carried = path_throughput[walk.path];
   walk.throughput = carried.xyz;
   walk.pdf = carried.w;
@@ -195,7 +205,7 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
   if (hit.triangle == LUCARIUM_NO_HIT)
     add_environment(&scene, settings, batch, &walk, direction, path_radiance);
   else
-    goes_on = shade_hit(&scene, settings, batch, &walk, hit, direction, &of_vertex, path_radiance, &shadow_rays[i],
+    goes_on = shade_hit(&scene, settings, batch, &walk, hit, direction, numbers, i, path_radiance, &shadow_rays[i],
                         &shadow_light[i], &next_ray);
 
   // Store the state; dead paths are compacted away by alive.
