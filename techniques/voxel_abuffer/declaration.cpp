@@ -59,7 +59,7 @@ double admitted_bias(const AbufferParameters& parameters, double declared) {
   const auto size = static_cast<uint32_t>(parameters.abuffer_size);
   const GridSize grid = choose_grid_size(size, static_cast<uint32_t>(parameters.grid_size));
   const bool small = grid.pixels < small_voxel * grid.voxels;
-  const bool between = parity && parameters.search != Search::columns && small;
+  const bool between = parameters.intersect == Intersect::parity && parameters.search != Search::columns && small;
   const double pixels = refined && !between ? 0.2 : 0.45;
   return std::min(max_bias, declared * std::max(1.0, pixels * pixel));
 }
