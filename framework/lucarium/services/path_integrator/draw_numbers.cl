@@ -14,7 +14,7 @@ __kernel void draw_vertex_numbers(PathSettings settings, PathBatch batch, __glob
   const uint8 paths = (uint8)(queue[places.s0], queue[places.s1], queue[places.s2], queue[places.s3], queue[places.s4],
                               queue[places.s5], queue[places.s6], queue[places.s7]);
   const uint vertex = path_state[paths.s0].segment;
-  // Paths scatter for the last time at the same vertex, but for those that met mirrors first.
+  // Paths scatter for the last time at the same vertex, except for those that met mirrors first.
   if (vertex >= settings.max_scatterings && path_ends_here(settings, path_state[paths.s0]) &&
       path_ends_here(settings, path_state[paths.s1]) && path_ends_here(settings, path_state[paths.s2]) &&
       path_ends_here(settings, path_state[paths.s3]) && path_ends_here(settings, path_state[paths.s4]) &&

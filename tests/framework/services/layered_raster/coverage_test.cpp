@@ -149,6 +149,26 @@ TEST_CASE("an image smaller than the largest") {
   check_against_oracle(soup, layers);
 }
 
+TEST_CASE("triangles far larger than the image of a few pixels that they reach") {
+  for (const uint32_t size : {4u, 8u}) {
+    CAPTURE(size);
+    Soup soup;
+    // Covers all of the first four by four pixels.
+    soup.add_triangle({4, 4, 0}, {-200, 4, 0}, {4, -200, 0});
+    Random random(size);
+    for (int i = 0; i < 400; ++i) {
+      const float radius = std::exp(random.uniform(3, 7.5f));
+      std::array<glm::vec3, 3> c;
+      for (glm::vec3& p : c)
+        p = glm::vec3(on_grid(radius * random.uniform(-1, 1)), on_grid(radius * random.uniform(-1, 1)),
+                      random.uniform(-15, 15));
+      soup.add_triangle(c[0], c[1], c[2]);
+    }
+    LayeredScene scene(scene_of(soup), {.max_width = size, .max_height = size});
+    check_against_oracle(soup, scene.store(pixel_view(size, size)));
+  }
+}
+
 TEST_CASE("more fragments in a pixel than a row has layers") {
   const Soup soup = mixed_triangles(6000, 24, 20, 3);
   LayeredScene scene(scene_of(soup), {.max_width = 24, .max_height = 20});
