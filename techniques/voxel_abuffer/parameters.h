@@ -78,9 +78,10 @@ struct AbufferParameters {
         "a sparse octree, or a bounding-volume hierarchy");
     v.number("abuffer_size", abuffer_size, 128, 4096, "pixels",
              "pixels along an edge of an A-buffer; with structure=voxel and octree voxels along it");
-    v.number("grid_size", grid_size, 0, 2048, "voxels",
-             "voxels along the scene's longest edge, 16 or more; 0: the square root of 3 abuffer_size, or with "
-             "intersect=exact abuffer_size / 8, 256 at most");
+    v.number(
+        "grid_size", grid_size, 0, 2048, "voxels",
+        "voxels along the scene's longest edge, 16 or more; 0: the square root of 3 abuffer_size, or for A-buffers "
+        "with intersect=exact abuffer_size / 8, 256 at most");
     v.choice(
         "intersect", intersect,
         {{"auto", Intersect::automatic},

@@ -57,15 +57,16 @@
 //   algorithm 1, passes of λ samples         modes/pass_sums.cpp: begin(), commit(); modes/add_pass.cl: add_pass()
 //   algorithm 1, PRender(), GRender(), InitCompBuffer()
 //   algorithm 1, progressive, general        voxel_abuffer.cpp: step(), begin_frame() (progressive, passes, rebuild)
-//   section 5, grid of (√(3n))³ voxels       structure/grid_layout.cpp: choose_grid_size()
+//   section 5, grid of (√(3n))³ voxels       structure/grid_layout.cpp: choose_grid_size() (not of exact search)
 //   section 5.2, regular voxels              compared/trace_voxel.cl (structure=voxel)
 //   section 5.2, table 1, octree (SVO)       compared/build_octree.cl, compared/trace_octree.cl (structure=octree)
 //   section 6, watertight objects          structure/triangle_classes.h: classify() (closed components)
 //   section 6, static and dynamic buffers    moving/moving_set.h (static_set)
 //
-// Not in the paper: exact search (search/exact_flights.clh), search by planes (search/plane_columns.clh), hits moved
-// into their triangles' planes (search/parity_hit.clh), the number of surfaces around a point instead of its parity,
-// ends of rays moved off their surfaces (search/parity_ray.clh), classes of triangles (structure/triangle_classes.h).
+// Not in the paper: exact search (search/exact_flights.clh) and its (n / 8)³ voxels (structure/grid_layout.cpp), search
+// by planes (search/plane_columns.clh), hits moved into their triangles' planes (search/parity_hit.clh), the number of
+// surfaces around a point instead of its parity, ends of rays moved off their surfaces (search/parity_ray.clh), classes
+// of triangles (structure/triangle_classes.h).
 
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"

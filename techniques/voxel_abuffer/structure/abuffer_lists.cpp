@@ -25,18 +25,26 @@ Program exact_program(Device& device, const std::string& file) {
   return {device, library, spec};
 }
 
+/// A program whose private arrays have room for grids of at most `size`, in steps so that few are compiled.
+Program sized_program(Device& device, const std::string& file, const GridSize& size) {
+  const auto room = [](uint32_t count, uint32_t step) { return std::to_string((count + step - 1) / step * step); };
+  return make_program(device, voxel_abuffer_kernels(), {file},
+                      {{"ABUFFER_GRID_VOXELS", room(size.voxels, 32)},
+                       {"ABUFFER_GRID_VOXEL_EDGE", room(size.pixels / size.voxels, 8)}});
+}
+
 size_t start_count(const AbufferGrid& grid) { return size_t{3} * grid.bricks.w; }
 
 }  // namespace
 
-AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, uint32_t pixels,
+AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, const GridSize& size,
                            bool stored)
     : kind_(kind),
       stored_(stored),
       device_(&scheduler.device()),
       raster_(scheduler, buffers,
-              {.max_width = pixels,
-               .max_height = pixels,
+              {.max_width = size.pixels,
+               .max_height = size.pixels,
                .conservative = kind == Kind::exact,
                .classes = true,
                .keep_alpha = true,
@@ -44,10 +52,10 @@ AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffe
               technique_name),
       primitives_(scheduler.device()),
       buffers_(&buffers),
-      pack_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
-      cells_(make_program(
-          scheduler.device(), voxel_abuffer_kernels(),
-          {kind == Kind::exact ? "voxel_abuffer/structure/mark_cells" : "voxel_abuffer/structure/mark_walls"})),
+      pack_(sized_program(scheduler.device(), "voxel_abuffer/structure/pack_lists", size)),
+      cells_(sized_program(
+          scheduler.device(),
+          kind == Kind::exact ? "voxel_abuffer/structure/mark_cells" : "voxel_abuffer/structure/mark_walls", size)),
       voxels_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_fragments"})) {
   if (stored) attributes_program_ = exact_program(scheduler.device(), "voxel_abuffer/structure/store_attributes");
 }

@@ -16,8 +16,8 @@ namespace lucarium::abuffer {
 class AbufferLists {
  public:
   enum class Kind { exact, parity };
-  /// `stored`: attributes beside fragments for parity.
-  AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, uint32_t pixels,
+  /// For grids of at most `size`. `stored`: attributes beside fragments for parity.
+  AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, const GridSize& size,
                bool stored = false);
 
   /// Follows a change of the scene; after SceneBuffers::update().

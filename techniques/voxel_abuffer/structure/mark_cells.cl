@@ -6,7 +6,7 @@
 // Marks of a voxel column, and which of its voxels have any.
 typedef struct AbufferTouchedCells {
   ulong slabs[ABUFFER_SLABS];
-  uchar touched[ABUFFER_MAX_VOXELS];
+  uchar touched[ABUFFER_GRID_VOXELS];
 } AbufferTouchedCells;
 
 // Marks a fragment's cells. per_step: cells per step of depth, times 2³², rounded up: the quotient of what has 16 bits
@@ -49,7 +49,7 @@ __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid
   abuffer_find_sections(edge, &sections);
   AbufferTouchedCells marks;
   abuffer_clear_slabs(marks.slabs, depth);
-  for (uint z = 0u; z < depth + 7u; ++z) marks.touched[min(z, ABUFFER_MAX_VOXELS - 1u)] = 0;
+  for (uint z = 0u; z < depth + 7u; ++z) marks.touched[min(z, ABUFFER_GRID_VOXELS - 1u)] = 0;
   __global const uint* start = abuffer_start + axis * grid.bricks.w + row * columns * edge * edge;
   for (uint voxel = 0u; voxel < columns; ++voxel) {
     // Pass over voxel columns without fragments.

@@ -92,8 +92,8 @@ static void abuffer_mark_between(const AbufferWallMarks* m, ulong section, uint2
 
 // The list of a column.
 typedef struct AbufferShortList {
-  uint2 range;   // its first fragment and its end
-  float8 depth;  // of its first eight
+  float8 depth;  // of its first eight fragments
+  uint2 range;   // the first fragment and the end
   ulong faces;   // a byte for each of these: 1 against the axis, 255 along it, 3 and 253 of open components, 0 none
 } AbufferShortList;
 
@@ -112,12 +112,13 @@ static AbufferShortList abuffer_short_list(const AbufferWallMarks* m, __global c
   return list;
 }
 
-// The lists of a line of columns in a voxel; those of an empty one are not looked at.
+// The lists of a line of columns in a voxel; for an empty line no fragments are read.
 static void abuffer_short_lists(const AbufferWallMarks* m, __global const uint* start, uint line,
                                 AbufferShortList* lists) {
   const bool empty = start[0] == start[line];
   for (uint x = 0u; x < line; ++x) {
     if (empty) {
+      lists[x].depth = (float8)(0.0f);
       lists[x].range = (uint2)(start[0]);
       lists[x].faces = 0ul;
     } else {
@@ -199,8 +200,8 @@ __kernel void abuffer_mark_walls_of_row(__global const AbufferGrid* abuffer_grid
   if (abuffer_counts[first + axis + 1u] > capacity || abuffer_counts[ABUFFER_COUNT_CELLS] > cell_capacity) return;
   AbufferSections sections;
   abuffer_find_sections(edge, &sections);
-  AbufferShortList lines[3][ABUFFER_MAX_VOXEL_EDGE];
-  ulong slabs[ABUFFER_SLABS], searched[ABUFFER_MAX_VOXELS / 64];
+  AbufferShortList lines[3][ABUFFER_GRID_VOXEL_EDGE];
+  ulong slabs[ABUFFER_SLABS], searched[(ABUFFER_GRID_VOXELS + 63) / 64];
   abuffer_clear_slabs(slabs, depth);
   AbufferWallMarks m = {slabs, searched, abuffer_depths, abuffer_fragments, 8.0f / (float)edge, 8u * depth - 1u};
   AbufferWaitingMarks waiting = {(int8)(0), (int8)(0), 0u, 0ul};

@@ -63,7 +63,7 @@ __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __gl
                        : axis == 1u ? abuffer_grid[0].corner.y
                                     : abuffer_grid[0].corner.z;
   const uint deepest = abuffer_component(abuffer_grid[0].voxels, axis) - 1u;
-  int2 facing[ABUFFER_MAX_VOXELS];
+  int2 facing[ABUFFER_GRID_VOXELS];
   for (uint z = 0u; z <= deepest; ++z) facing[z] = (int2)(0);
   uint lowest = deepest, highest = 0u;
   ABUFFER_PACK(

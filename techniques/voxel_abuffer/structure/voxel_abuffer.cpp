@@ -120,11 +120,9 @@ void VoxelAbuffer::State::reserve() {
   const size_t voxel_count = 64 * brick_count(grid);
   const size_t exact_room = room(statistics.expected_exact_fragments);
   const size_t parity_room = room(statistics.expected_parity_fragments);
-  if (classes.exact_triangles > 0 && !exact)
-    exact.emplace(*scheduler, *buffers, AbufferLists::Kind::exact, size.pixels);
+  if (classes.exact_triangles > 0 && !exact) exact.emplace(*scheduler, *buffers, AbufferLists::Kind::exact, size);
   if (classes.parity_triangles > 0 && !parity)
-    parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size.pixels,
-                   options.attributes == Attributes::stored);
+    parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size, options.attributes == Attributes::stored);
   generation += make_room(*device, voxels, "voxels", voxel_count, coarser_grid);
   generation += make_room(*device, bricks, "bricks", 2 * brick_count(grid), coarser_grid);
   generation += make_room(*device, cells, "cells", ABUFFER_CELL_WORDS, coarser_grid);
