@@ -63,10 +63,10 @@
 //   section 6, watertight objects          structure/triangle_classes.h: classify() (closed components)
 //   section 6, static and dynamic buffers    moving/moving_set.h (static_set)
 //
-// Not in the paper: exact search (search/exact_flights.clh) and its (n / 8)³ voxels (structure/grid_layout.cpp), search
-// by planes (search/plane_columns.clh), hits moved into their triangles' planes (search/parity_hit.clh), the number of
-// surfaces around a point instead of its parity, ends of rays moved off their surfaces (search/parity_ray.clh), classes
-// of triangles (structure/triangle_classes.h).
+// Not in the paper: exact search (search/exact_flights.clh) and its (n / 8)³ voxels (structure/grid_layout.cpp),
+// search by planes (search/plane_columns.clh), hits moved into their triangles' planes (search/parity_hit.clh), the
+// number of surfaces around a point instead of its parity, ends of rays moved off their surfaces
+// (search/parity_ray.clh), classes of triangles (structure/triangle_classes.h).
 
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"

@@ -15,9 +15,9 @@ struct GridSize {
 };
 
 /// Where `voxels` is 0, N = √(3n) rounded up to a multiple of 16 (Hu et al. 2014, section 5), or with `exact`, where
-/// all search is, n / 8 and 256 at most: cells are pixels there. n rounded up to a multiple of N, or
-/// down where it would exceed what can be rasterized, so that voxel faces are pixel edges. Throws Error{usage} naming
-/// `abuffer_size` and `grid_size` where N > n.
+/// all search is, n / 8, 256 at most: cells are pixels up to n = 2048. n rounded up to a multiple of N, or down where
+/// it would exceed what can be rasterized, so that voxel faces are pixel edges. Throws Error{usage} naming
+/// `abuffer_size` and `grid_size` where N > n, or voxels have more pixels than ABUFFER_MAX_VOXEL_EDGE.
 GridSize choose_grid_size(uint32_t pixels, uint32_t voxels, bool exact = false);
 
 /// The grid around a scene's bounds: cubic voxels, N along the longest side and in proportion along the others, at

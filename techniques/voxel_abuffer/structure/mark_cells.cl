@@ -9,8 +9,8 @@ typedef struct AbufferTouchedCells {
   uchar touched[ABUFFER_GRID_VOXELS];
 } AbufferTouchedCells;
 
-// Marks a fragment's cells. per_step: cells per step of depth, times 2³², rounded up: the quotient of what has 16 bits
-// is exact.
+// Marks a fragment's cells. per_step: cells per step of depth, times 2^32, rounded up: the quotient of what has
+// 16 bits is exact.
 static void abuffer_mark_interval(AbufferTouchedCells* marks, ulong section, uint interval, ulong per_step,
                                   uint last_slab) {
   const uint near = interval & 0xffffu, far = (uint)ABUFFER_DEPTH_LAST - (interval >> 16);
@@ -41,7 +41,8 @@ __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid
   const AbufferGrid grid = abuffer_grid[0];
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis));
   const uint depth = abuffer_component(grid.voxels, axis);
-  const ulong per_step = 0xfffffffful / (2u * edge) + 1ul;  // a cell is edge / 8 pixels
+  const uint steps = (uint)ABUFFER_DEPTH_STEPS * edge / ABUFFER_CELLS;  // of a cell
+  const ulong per_step = 0xfffffffful / steps + 1ul;
   const uint row = get_global_id(0);
   if (row >= abuffer_component(grid.voxels, abuffer_axis_y(axis))) return;
   if (abuffer_counts[first + axis + 1u] > capacity || abuffer_counts[ABUFFER_COUNT_CELLS] > cell_capacity) return;
