@@ -70,6 +70,7 @@
 // (guide/), leaving out what costs more than it brings (effort/).
 
 #include <memory>
+#include <vector>
 
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/declaration.h"
@@ -173,8 +174,12 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     if (parts_) parts_->write(film);
   }
   void warm_up_kernels() override {
+    // Those of trials, too, so that no kernel is compiled while iterating; recorded first, since what is recorded is
+    // compiled side by side.
+    std::vector<std::shared_ptr<SmallParts>> trials;
+    if (adapts_after_ != UINT64_MAX) trials = make_trials()->certain_parts();
     parts_->warm_up();
-    if (adapts_after_ != UINT64_MAX) make_trials()->warm_up();  // so that no kernel is compiled while iterating
+    for (const auto& parts : trials) parts->parts().warm_up();
   }
 
  private:

@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -19,34 +18,14 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/spawned_process.h"
 #include "lucarium/base/stopwatch.h"
-
-extern char** environ;
 
 namespace lucarium {
 namespace {
 
 constexpr size_t kept_lines = 20;
 constexpr int look_up_milliseconds = 200;  // between two looks at the interrupt flag
-const char* const parent_variable = "LUCARIUM_PARENT_PROCESS";
-
-/// This process' environment with its number as the parent's.
-std::vector<std::string> child_environment() {
-  const std::string assigned = fmt::format("{}=", parent_variable);
-  std::vector<std::string> variables = {assigned + std::to_string(::getpid())};
-  for (char** variable = environ; *variable; ++variable) {
-    if (!std::string_view(*variable).starts_with(assigned)) variables.emplace_back(*variable);
-  }
-  return variables;
-}
-
-/// Pointers into the strings, with a null at the end, as exec wants them.
-std::vector<char*> pointers_to(std::vector<std::string>& texts) {
-  std::vector<char*> pointers;
-  for (std::string& text : texts) pointers.push_back(text.data());
-  pointers.push_back(nullptr);
-  return pointers;
-}
 
 struct Pipe {
   int read_end = -1, write_end = -1;
@@ -116,44 +95,6 @@ class MemoryFile {
   int file_;
 };
 
-pid_t spawn(std::vector<std::string> arguments, const MemoryFile& in, const Pipe& out, const Pipe& err) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, in.descriptor(), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, out.write_end, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, err.write_end, STDERR_FILENO);
-  std::vector<std::string> variables = child_environment();
-  pid_t child = -1;
-  const int failure = posix_spawnp(&child, arguments[0].c_str(), &actions, nullptr, pointers_to(arguments).data(),
-                                   pointers_to(variables).data());
-  posix_spawn_file_actions_destroy(&actions);
-  if (failure) throw_error(ErrorClass::input, "cannot start {}: {}", arguments[0], std::strerror(failure));
-  return child;
-}
-
-/// A child that is killed unless it was waited for.
-struct Child {
-  pid_t id;
-  explicit Child(pid_t started) : id(started) {}
-  ~Child() {
-    if (id < 0) return;
-    ::kill(id, SIGKILL);
-    wait();
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  /// Its status and resource usage.
-  std::pair<int, rusage> wait() {
-    int status = 0;
-    rusage usage{};
-    while (::wait4(id, &status, 0, &usage) < 0 && errno == EINTR) {
-    }
-    id = -1;
-    return {status, usage};
-  }
-};
-
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& arguments,
@@ -162,7 +103,7 @@ ChildResult run_child(const std::vector<std::string>& arguments,
   const Stopwatch watch;
   const MemoryFile in(input);
   Pipe out, err;
-  Child child(spawn(arguments, in, out, err));
+  SpawnedProcess child(arguments, in.descriptor(), out.write_end, err.write_end);
   Pipe::close_end(out.write_end);
   Pipe::close_end(err.write_end);
 
@@ -181,7 +122,7 @@ ChildResult run_child(const std::vector<std::string>& arguments,
     if (!passed_on && (interrupt_requested() || (stop_requested && stop_requested()))) {
       // A terminal interrupts both, others only this process. SIGTERM, since a second SIGINT would end the child at
       // once.
-      ::kill(child.id, SIGTERM);
+      child.signal(SIGTERM);
       passed_on = true;
     }
     if (ready < 0 && errno != EINTR)

@@ -87,9 +87,8 @@ std::shared_ptr<SmallParts> Trials::small_parts(const Effort& effort) const {
   return parts;
 }
 
-void Trials::warm_up() {
-  for (const Effort& effort : {whole_effort(parameters_), camera_effort(parameters_)})
-    small_parts(effort)->parts().warm_up();
+std::vector<std::shared_ptr<SmallParts>> Trials::certain_parts() const {
+  return {small_parts(whole_effort(parameters_)), small_parts(camera_effort(parameters_))};
 }
 
 bool Trials::advance() {

@@ -27,8 +27,8 @@ class Trials {
   Trials(const PartsContext& context, const BidirectionalParameters& parameters, const RenderSettings& settings,
          const Frame& frame, KeptParts& kept);
 
-  /// Makes what is kept, and launches every kernel of it once.
-  void warm_up();
+  /// What renders the trials that are always done; it is kept.
+  std::vector<std::shared_ptr<SmallParts>> certain_parts() const;
 
   /// Does one trial, of some 10 ms to 100 ms. False when cancelled: it is done again then.
   bool advance();

@@ -13,6 +13,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/text/byte_size.h"
 #include "lucarium/compute/device/host_memory.h"
+#include "lucarium/compute/device/kernel_compilers.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"
 #include "lucarium/compute/device/registered_drivers.h"
@@ -228,6 +229,7 @@ std::shared_ptr<Device> Device::open(const DeviceOptions& options) {
   device->id_ = chosen.id;
   device->memory_ = open_account(chosen.info, options);
   device->cache_ = std::make_unique<ProgramCache>(options, chosen.info);
+  device->kernel_compilers_ = make_kernel_compilers(chosen.info, options);
 
   cl_int code = CL_SUCCESS;
   device->context_ = clCreateContext(nullptr, 1, &chosen.id, report_context_error, nullptr, &code);

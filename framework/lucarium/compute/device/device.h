@@ -49,6 +49,7 @@ void prepare_opencl_environment(const DeviceOptions& options);
 /// All OpenCL devices ≥ 1.2, in a stable order. Throws Error{device} that says what to install when no ICD is found.
 std::vector<DeviceInfo> list_devices(const DeviceOptions& options = {});
 
+class KernelCompilers;
 class ProgramCache;
 
 /// One OpenCL device with its context, an in-order queue, memory account and program cache.
@@ -75,6 +76,8 @@ class Device : public std::enable_shared_from_this<Device> {
   double program_seconds() const { return program_seconds_; }
   void add_program_seconds(double seconds) { program_seconds_ += seconds; }
   CompileProgress& compile_progress() { return compile_progress_; }
+  /// Null where compiling in other processes would be of no use.
+  KernelCompilers* kernel_compilers() { return kernel_compilers_.get(); }
 
   /// Waits for everything enqueued. The only place besides read-backs where the host waits.
   void finish();
@@ -89,6 +92,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::unique_ptr<ProgramCache> cache_;
   double program_seconds_ = 0;
   CompileProgress compile_progress_;
+  std::unique_ptr<KernelCompilers> kernel_compilers_;
 };
 
 /// "CL_INVALID_KERNEL_ARGS" for -52.

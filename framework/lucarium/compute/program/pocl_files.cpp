@@ -66,6 +66,12 @@ std::string program_made_by(const Hash128& key, const std::function<void()>& bui
   return program_of(key);
 }
 
+fs::path write_source(const Hash128& key, const std::string& source) {
+  fs::path file = driver_folder()->path() / "sources" / (key.hex() + ".cl");
+  write_new_file(file, source);
+  return file;
+}
+
 std::set<std::string> list_driver_files(const std::string& program) {
   std::set<std::string> paths;
   const fs::path& root = driver_folder()->path();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <set>
 #include <string>
@@ -17,6 +18,9 @@ namespace lucarium {
 /// Runs `build` and returns the program that appeared meanwhile, or the one that the same `key` had before in this
 /// process; empty when neither is known.
 std::string program_made_by(const Hash128& key, const std::function<void()>& build);
+
+/// Writes a program's source to where other processes find it, and returns the file.
+std::filesystem::path write_source(const Hash128& key, const std::string& source);
 
 /// Paths of the present files.
 std::set<std::string> list_driver_files(const std::string& program);

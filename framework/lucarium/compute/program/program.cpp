@@ -142,6 +142,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
   Hash128 key;
   std::string driver_program;        // see driver_files.h; empty where there is none to keep
   std::set<std::string> kept_files;  // of the driver, in the cache entry
+  ProgramSource source;              // where launch code is still to be compiled and others can do so
 
   /// The programs that are ready.
   struct Registry {
@@ -203,6 +204,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
     } else {
       build(program.get(), *device, spec, source);
     }
+    if (device->kernel_compilers()) this->source = {write_source(key, source), build_options(spec)};
     CachedProgram entry;
     entry.signatures = reflect_kernels(*device, program.get(), spec.name);
     set_signatures(entry.signatures);
@@ -300,6 +302,7 @@ void cache_specialized_kernels(const Device& device) noexcept {
 const std::string& Program::name() const { return state_->name; }
 Device& Program::device() const { return *state_->device; }
 cl_program Program::handle() const { return state_->program.get(); }
+const ProgramSource& Program::source() const { return state_->source; }
 bool Program::from_cache() const { return state_->from_cache; }
 double Program::build_seconds() const { return state_->build_seconds; }
 

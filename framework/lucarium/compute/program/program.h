@@ -2,6 +2,7 @@
 #pragma once
 #include <CL/cl.h>
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -23,6 +24,12 @@ struct ProgramSpec {
   bool mad_enable = true;                      ///< -cl-mad-enable; off where bitwise agreement with host code matters
 };
 
+/// A program as another process can build it.
+struct ProgramSource {
+  std::filesystem::path file;  ///< holds the whole source; empty: there is nothing to compile
+  std::string options;         ///< of clBuildProgram
+};
+
 /// A built program. Copies share it.
 class Program {
  public:
@@ -37,6 +44,8 @@ class Program {
   cl_program handle() const;
   bool from_cache() const;       ///< whether it came from disk, uncompiled
   double build_seconds() const;  ///< wall time of compiling or loading
+  /// For other processes that compile its launch code; nothing when it came from disk or no process could use it.
+  const ProgramSource& source() const;
   /// Throws Error{device} with the nearest name when the program has no such kernel.
   const KernelSignature& signature(std::string_view kernel) const;
   std::vector<std::string> kernel_names() const;

@@ -7,6 +7,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/schedule/bind_arguments.h"
+#include "lucarium/compute/schedule/launch_code.h"
 #include "lucarium/compute/schedule/schedule_state.h"
 
 namespace lucarium {
@@ -325,6 +326,7 @@ void ScheduleCompiler::finish_kernel(const Draft& from, Step& step) {
   step.kernel = ClKernel(clCreateKernel(recorded.program.handle(), step.kernel_name.c_str(), &code));
   check_opencl(code, "clCreateKernel", step.kernel_name, device());
   check_local_memory(recorded, step);
+  want_launch_code(recorded_, step, from.bound);
 }
 
 void ScheduleCompiler::set_kernel_arguments() {

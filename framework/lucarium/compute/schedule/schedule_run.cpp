@@ -7,6 +7,8 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/stopwatch.h"
+#include "lucarium/compute/device/kernel_compilers.h"
+#include "lucarium/compute/schedule/launch_code.h"
 
 namespace lucarium {
 namespace {
@@ -18,9 +20,6 @@ constexpr double queued_seconds_limit = 0.05;
 constexpr size_t queued_slices = 2;
 /// Expected of a step that was never measured.
 constexpr double unknown_step_seconds = 0.005;
-
-/// PoCL compiles grids from this width on separately (its grid_width_specialization_limit).
-constexpr size_t pocl_large_grid = 65536;
 
 std::string size_text(const std::array<size_t, 3>& size) { return fmt::format("{}x{}x{}", size[0], size[1], size[2]); }
 
@@ -154,11 +153,10 @@ std::array<size_t, 3> ScheduleRun::global_size(const CompiledStep& of) const {
     const double count = state_.counters[static_cast<size_t>(of.counter)].value;
     global[0] = static_cast<size_t>(std::ceil(count * of.items_per_count));
   }
-  for (size_t d = 0; d < 3; ++d) {
-    if (options_.warm_up) global[d] = std::max<size_t>(global[d], 1);
-    global[d] = (global[d] + of.local[d] - 1) / of.local[d] * of.local[d];
+  if (options_.warm_up) {
+    for (size_t& items : global) items = std::max<size_t>(items, 1);
   }
-  return global;
+  return whole_groups(global, of.local);
 }
 
 bool ScheduleRun::enqueue_kernel(size_t index) {
@@ -169,12 +167,9 @@ bool ScheduleRun::enqueue_kernel(size_t index) {
     device_.compile_progress().launching(step(index).launch);
   }
   if (step(index).slice_items > 0) return enqueue_slices(index, global);
-  enqueue_piece(index, global, true);
-  if (options_.warm_up && device_.info().is_pocl && step(index).counter >= 0 && global[0] < pocl_large_grid) {
-    // The count may be of the other class next time: compile that variant too.
-    const size_t local = step(index).local[0];
-    enqueue_piece(index, {(pocl_large_grid + local - 1) / local * local, global[1], global[2]}, false);
-  }
+  const bool of_any_class = options_.warm_up && device_.info().is_pocl && step(index).counter >= 0;
+  // PoCL takes code that it has loaded for large grids for small ones, too, but not the other way round.
+  enqueue_piece(index, of_any_class ? large_grid(step(index)) : global, true);
   return true;
 }
 
@@ -209,6 +204,8 @@ bool ScheduleRun::enqueue_slices(size_t index, std::array<size_t, 3> global) {
 
 void ScheduleRun::enqueue_piece(size_t index, const std::array<size_t, 3>& global, bool first) {
   const CompiledStep& launched = step(index);
+  if (options_.warm_up && device_.kernel_compilers())
+    device_.kernel_compilers()->wait_for(launch_code_id(launched, global));
   const cl_uint dimensions = global[2] > 1 || launched.local[2] > 1   ? 3
                              : global[1] > 1 || launched.local[1] > 1 ? 2
                                                                       : 1;

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <condition_variable>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "lucarium/base/child_conversation.h"
+#include "lucarium/compute/device/device.h"
+
+namespace lucarium {
+
+/// The launch code of one kernel, for one work-group size and class of grid.
+struct LaunchCode {
+  std::string id;                ///< two of the same id are the same code
+  std::filesystem::path source;  ///< holds the program's whole source
+  std::string options;           ///< of clBuildProgram
+  std::string kernel;
+  std::array<size_t, 3> global = {1, 1, 1}, local = {1, 1, 1};
+  struct Argument {
+    enum class Kind { buffer, value, local } kind = Kind::buffer;
+    size_t bytes = 0;  ///< of a value or of local memory
+  };
+  std::vector<Argument> arguments;
+};
+
+/// Other processes that compile launch code into the driver's folder, side by side. PoCL compiles one thing at a time
+/// in a process (docs/measurements/building.md), and a first start waits for little else.
+///
+/// Nothing depends on them: what they have not compiled, PoCL compiles at the launch, as it does without them.
+class KernelCompilers {
+ public:
+  /// `processes` of them at the most; they start with the first want().
+  KernelCompilers(const DeviceInfo& device, size_t processes);
+  ~KernelCompilers();
+  KernelCompilers(const KernelCompilers&) = delete;
+  KernelCompilers& operator=(const KernelCompilers&) = delete;
+
+  /// Has it compiled, unless that was asked before.
+  void want(LaunchCode code);
+  /// Waits until it is compiled, if that was asked and there is a process to do so.
+  void wait_for(const std::string& id);
+
+ private:
+  void start_processes();
+  void serve(ChildConversation& process);
+
+  std::string platform_, device_;
+  size_t most_processes_;
+  std::mutex mutex_;  // of all below
+  std::condition_variable changed_;
+  std::vector<LaunchCode> waiting_;
+  std::set<std::string> wanted_, unfinished_;
+  size_t living_ = 0;  // processes
+  bool ending_ = false;
+  std::vector<std::unique_ptr<ChildConversation>> processes_;
+  std::vector<std::thread> threads_;  // one for each process
+};
+
+/// One for each processor that may be used; null where they would be of no use.
+std::unique_ptr<KernelCompilers> make_kernel_compilers(const DeviceInfo& device, const DeviceOptions& options);
+
+}  // namespace lucarium

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/compute/schedule/launch_code.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "lucarium/compute/device/kernel_compilers.h"
+
+namespace lucarium {
+namespace {
+
+std::vector<LaunchCode::Argument> arguments_of(const RecordedSchedule& recorded, const BoundArguments& bound) {
+  using Kind = LaunchCode::Argument::Kind;
+  std::vector<LaunchCode::Argument> arguments;
+  for (const RecordedArgument* argument : bound.by_position) {
+    if (!argument) {
+      arguments.push_back({Kind::value, sizeof(cl_uint)});  // slice_base
+    } else if (argument->kind == RecordedArgument::Kind::value) {
+      arguments.push_back({Kind::value, argument->bytes});
+    } else if (argument->kind == RecordedArgument::Kind::variable) {
+      arguments.push_back({Kind::value, recorded.variables[static_cast<size_t>(argument->index)].value.size()});
+    } else {
+      const bool is_local = argument->kind == RecordedArgument::Kind::local;
+      arguments.push_back({is_local ? Kind::local : Kind::buffer, argument->bytes});
+    }
+  }
+  return arguments;
+}
+
+}  // namespace
+
+std::array<size_t, 3> whole_groups(std::array<size_t, 3> global, const std::array<size_t, 3>& local) {
+  for (size_t d = 0; d < 3; ++d) global[d] = (global[d] + local[d] - 1) / local[d] * local[d];
+  return global;
+}
+
+std::array<size_t, 3> large_grid(const CompiledStep& step) {
+  return whole_groups({pocl_large_grid, step.global[1], step.global[2]}, step.local);
+}
+
+std::string launch_code_id(const CompiledStep& step, const std::array<size_t, 3>& global) {
+  const bool is_large = *std::max_element(global.begin(), global.end()) >= pocl_large_grid;
+  return step.launch + (is_large ? "/large" : "/small");
+}
+
+void want_launch_code(const RecordedSchedule& recorded, const CompiledStep& step, const BoundArguments& bound) {
+  KernelCompilers* compilers = recorded.device->kernel_compilers();
+  const ProgramSource& source = step.program.source();
+  if (!compilers || source.file.empty()) return;
+  std::array<size_t, 3> global = step.global;
+  if (step.slice_items > 0) global[0] = std::min(global[0], step.slice_items);
+  for (size_t& items : global) items = std::max<size_t>(items, 1);
+  global = step.counter >= 0 && step.slice_items == 0 ? large_grid(step) : whole_groups(global, step.local);
+  compilers->want({launch_code_id(step, global), source.file, source.options, step.kernel_name, global, step.local,
+                   arguments_of(recorded, bound)});
+}
+
+}  // namespace lucarium
