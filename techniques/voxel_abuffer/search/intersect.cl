@@ -69,6 +69,7 @@
   context.parity_start = abuffer_parity_start;         \
   context.parity_depths = abuffer_parity_depths;       \
   context.parity_fragments = abuffer_parity_fragments; \
+  abuffer_find_columns(&context);                      \
   ABUFFER_SET_ATTRIBUTES(context)
 #else
 #define ABUFFER_PARITY_PARAMETERS

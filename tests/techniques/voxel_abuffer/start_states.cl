@@ -18,6 +18,7 @@ __kernel void start_states(__global const AbufferGrid* abuffer_grid, __global co
   context.parity_start = abuffer_parity_start;
   context.parity_depths = abuffer_parity_depths;
   context.parity_fragments = abuffer_parity_fragments;
+  abuffer_find_columns(&context);
   AbufferParityRay r;
   AbufferStart start;
   const bool begins = abuffer_begin_parity(&context, rays[i], ends[i], &r, &start);
