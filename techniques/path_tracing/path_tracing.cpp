@@ -69,7 +69,7 @@ struct PathTracingParameters {
              "Owen-scrambled Sobol points, or independent random numbers");
     v.choice("light_choice", options.light_choice, {{"power", LightChoice::power}, {"uniform", LightChoice::uniform}},
              "probability of sampling a light: proportional to its power, or uniform");
-    v.flag("roulette", options.roulette, "end paths by Russian roulette (never when max_bounces is below 8)");
+    v.flag("roulette", options.roulette, "end paths by Russian roulette");
     v.number("roulette_start", options.roulette_start, 0, 4096, "scatterings",
              "counted scatterings before Russian roulette begins");
     v.number("replicates", options.replicates, 1, 64, "",

@@ -24,7 +24,7 @@ __kernel void generate_camera_paths(Frame frame, PathSettings settings, PathBatc
   state.scatterings = 0;
   state.segment = 0;
   state.medium = LUCARIUM_NONE;
-  state.flags = PATH_AFTER_DELTA;
+  state.flags = path_with_carried(PATH_AFTER_DELTA, 1.0f);
   path_state[path] = state;
   for (uint layer = 0; layer < LUCARIUM_PATH_LAYERS; ++layer) path_radiance[layer * paths + path] = (float4)(0.0f);
 }

@@ -114,8 +114,7 @@ PathSettings PathIntegrator::State::make_settings() const {
   const uint32_t limit = set.max_bounces < 0 ? LUCARIUM_PATH_SCATTERING_CAP
                                              : std::min<uint32_t>(set.max_bounces + 1u, LUCARIUM_PATH_SCATTERING_CAP);
   result.max_scatterings = result.flags & LUCARIUM_PATH_INDIRECT ? limit : set.direct ? 1u : 0u;
-  const bool roulette = options.roulette && (set.max_bounces < 0 || set.max_bounces >= 8);
-  result.roulette_start = roulette ? static_cast<uint32_t>(options.roulette_start) : LUCARIUM_NONE;
+  result.roulette_start = options.roulette ? static_cast<uint32_t>(options.roulette_start) : LUCARIUM_NONE;
   result.eye_roulette_start = options.roulette ? LUCARIUM_PATH_EYE_ROULETTE_START : LUCARIUM_NONE;
   result.eye_deltas = set.eye_deltas < 0
                           ? LUCARIUM_PATH_EYE_DELTA_LIMIT

@@ -23,8 +23,8 @@ struct PathIntegratorOptions {
   PathEstimator estimator = PathEstimator::mis;
   PathSampler sampler = PathSampler::sobol;
   LightChoice light_choice = LightChoice::power;
-  bool roulette = true;                ///< ignored below 8 bounces
-  int roulette_start = 5;              ///< counted scatterings before Russian roulette may end a path
+  bool roulette = true;                ///< Russian roulette
+  int roulette_start = 2;              ///< counted scatterings before Russian roulette may end a path
   uint32_t replicates = 1;             ///< independently scrambled sample sets per pixel; error comes from their spread
   uint32_t batch_paths = 1u << 20;     ///< most paths in flight
   uint32_t samples_per_iteration = 1;  ///< per pixel

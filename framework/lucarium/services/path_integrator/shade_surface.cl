@@ -123,15 +123,20 @@ LUCARIUM_JOIN bool sample_direction(const Scene* scene, PathSettings settings, W
   }
   if (sample.transmitted) walk->state.medium = medium_behind(scene, surface, walk->state.medium);
   const bool eye_side = walk->state.scatterings == 0u;
-  // End the path by Russian roulette (Arvo and Kirk 1990), by what it may still bring.
+  // End the path by Russian roulette (Arvo and Kirk 1990), by the root of what it may still bring over what it could
+  // before: dark pixels, whose first surface is, need their paths as much as bright ones (docs/measurements/
+  // path_tracing.md, Roulette).
+  const float importance = max_component(walk->throughput) * medium_squared_ior(scene, walk->state.medium);
   if (eye_side ? walk->state.segment >= settings.eye_roulette_start
                : walk->state.scatterings >= settings.roulette_start) {
     // Facets of glass keep light for thousands of events without loss: a bound below 1 would make its variance
     // infinite.
-    const float importance = max_component(walk->throughput) * medium_squared_ior(scene, walk->state.medium);
-    const float survival = fmin(sample.delta ? 1.0f : 0.95f, importance);
+    const float kept = eye_side ? importance : importance / path_carried(walk->state.flags);
+    const float survival = fmin(sample.delta ? 1.0f : 0.95f, sqrt(kept));
     if (u.roulette >= survival) return false;
     walk->throughput /= survival;
+  } else if (walk->state.scatterings < settings.roulette_start) {
+    walk->state.flags = path_with_carried(walk->state.flags, importance);
   }
   *ray = make_ray(surface, sample.direction, numbers->next_seed);
   walk->next_ends = ray_ends(surface, sample.direction);
