@@ -120,10 +120,13 @@ std::vector<ParameterSaving> savings() {
 
 size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scene& scene,
                       const RenderSettings& settings) {
-  const size_t view =
-      FieldView::estimate_bytes(settings.width, settings.height, FieldView::make_options(plan, parameters));
+  const FieldView::Options seen = FieldView::make_options(plan, parameters);
+  size_t view = FieldView::estimate_bytes(settings.width, settings.height, seen);
   if (!plan.field) return view;
   const size_t sides = SurfaceAtlas::expected_sides(scene, plan.atlas);
+  if (seen.walks())
+    view += WalkTables::estimate_bytes(static_cast<size_t>(scene.triangle_count()), scene.materials.size(),
+                                       sides * plan.halves);
   const size_t always =
       SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + SideLight::estimate_bytes(sides, plan.halves);
   const SubfieldPlan subfield = expected_subfield(plan, parameters, scene);

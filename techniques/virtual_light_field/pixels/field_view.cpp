@@ -38,6 +38,8 @@ FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuff
                                      remedies::lower_texels);
   scale_ = TypedBuffer<float>(device, technique_name, "scale of stored radiance", 1);
   if (options.traced) make_chains(device, scene, intersector, *atlas);
+  if (rays_)
+    tables_ = std::make_unique<WalkTables>(device, scheduler, scene, *atlas, *field, side_albedo_, options.fold);
   record_field(scene, *atlas);
   if (options.inspect_line < 0) return;
   const SubfieldView::Options line = {
@@ -136,14 +138,16 @@ void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atla
       .arg("weight", weight_)
       .arg("direct_layer", sums_["direct"])
       .arg("indirect_layer", sums_["indirect"]);
-  if (rays_)
+  if (rays_) {
+    tables_->bind(pass);
     pass.arg("rays", rays_->rays())
         .arg("hits", rays_->hits())
         .arg("shows", shows_)
         .arg("begins", begins_)
         .arg("emission", sums_["emission"]);
-  else
+  } else {
     pass.arg("points", eye_->points()).arg("rays", options_.traced ? 1u : 0u).arg("traced", traced_);
+  }
   show_ = recorder.compile();
 }
 
@@ -187,6 +191,7 @@ void FieldView::commit() {
     show_.set(shows_, shows ? 1u : 0u);
     show_.set(begins_, sums_.take_forgotten() ? 1u : 0u);
   }
+  if (tables_ && shows) tables_->update();
   if (shows || rays_) scheduler_->run_to_end(show_);
   if (subfield_ && grown) subfield_->show();
 }
@@ -219,6 +224,7 @@ void FieldView::warm_up() {
     scheduler_->warm_up(begin_);
     chains_->warm_up();
   }
+  if (tables_) tables_->warm_up();
   if (field_) scheduler_->warm_up(show_);
   if (subfield_) subfield_->warm_up();
 }

@@ -9,6 +9,7 @@
 #include "virtual_light_field/base/plan.h"
 #include "virtual_light_field/field/light_field.h"
 #include "virtual_light_field/pixels/subfield_view.h"
+#include "virtual_light_field/pixels/walk_tables.h"
 
 namespace lucarium::vlf {
 
@@ -48,6 +49,7 @@ class FieldView {
   void resolve(Film& film) const;
   /// All but `reach`.
   static Options make_options(const Plan& plan, const Parameters& parameters);
+  /// Without WalkTables.
   static size_t estimate_bytes(uint32_t width, uint32_t height, const Options& options);
 
  private:
@@ -65,8 +67,9 @@ class FieldView {
   Frame frame_;
   uint32_t pixels_, samples_ = 0, field_samples_ = 0, shown_sweeps_ = 0;
   std::unique_ptr<EyeLight> eye_;     ///< null where pixels walk
-  std::unique_ptr<CameraRays> rays_;  ///< null where they do not
-  LayerSums sums_;                    ///< means of what the field shows; where pixels walk, of emission, too
+  std::unique_ptr<CameraRays> rays_;  ///< null where they do not, and tables_ with them
+  std::unique_ptr<WalkTables> tables_;
+  LayerSums sums_;  ///< means of what the field shows; where pixels walk, of emission, too
   TypedBuffer<float4> traced_, side_albedo_;
   std::unique_ptr<SpecularChains> chains_;  ///< null where no ray is sent
   std::unique_ptr<SubfieldView> subfield_;  ///< null where no line is shown

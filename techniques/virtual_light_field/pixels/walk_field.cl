@@ -3,12 +3,12 @@
 #include "lucarium/prefetch.clh"
 #include "lucarium/services/gbuffer/eye_vertex.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
-#include "virtual_light_field/pixels/shown_field.clh"
+#include "virtual_light_field/pixels/walk_eight.clh"
 
-// Consecutive pixels that a work-item takes, one after the other: on CPU devices, so that it keeps what neighbours
-// share.
+// Consecutive pixels that a work-item takes. On CPU devices it takes several blocks of eight, all of them through one
+// step after the other.
 #ifdef LUCARIUM_HAS_PREFETCH
-#define WALK_PIXELS 8u
+#define WALK_PIXELS 64u
 #else
 #define WALK_PIXELS 1u
 #endif
@@ -80,44 +80,98 @@ void prefetch_pixel(const Scene* scene, const ShownField* shown, __global const 
 void prefetch_pixel(const Scene* scene, const ShownField* shown, __global const Hit* hits, uint i, uint count) {}
 #endif
 
-// Adds to `emission` a sample, and to the other layers one that counts `weight` of the mean (show_field.cl), if
-// `shows`. begins: what the layers hold is of another picture.
-__kernel LUCARIUM_FLATTEN void walk_field(
-    LUCARIUM_SCENE_PARAMETERS SHOWN_FIELD_PARAMETERS __global const Ray* restrict rays,
-    __global const Hit* restrict hits, uint count, uint shows, uint begins, float weight,
-    __global float4* restrict emission, __global float4* restrict direct_layer,
-    __global float4* restrict indirect_layer) {
-  const uint first = get_global_id(0);
-  if (first % WALK_PIXELS != 0u) return;
-  LUCARIUM_SCENE_BIND(scene);
-  const ShownField field = SHOWN_FIELD_BIND;
+// The layers of pixels. begins: what they hold is of another picture. weight: see show_field.cl.
+typedef struct WalkLayers {
+  __global float4* emission;
+  __global float4* direct;
+  __global float4* indirect;
+  uint shows, begins;
+  float weight;
+} WalkLayers;
+
+void add_pixel(const WalkLayers* layers, uint i, float3 emitted, float3 once, float3 more) {
   const float4 none = (float4)(0.0f);
+  const bool begins = layers->begins, shows = layers->shows;
+  layers->emission[i] = add_sample(begins ? none : layers->emission[i], emitted);
+  if (!shows && !begins) return;
+  const float4 direct_before = begins ? none : layers->direct[i], more_before = begins ? none : layers->indirect[i];
+  layers->direct[i] = shows ? mix_sample(direct_before, once, layers->weight) : none;
+  layers->indirect[i] = shows ? mix_sample(more_before, more, layers->weight) : none;
+}
+
+// Pixels first to `end`, which is at most `count`, one by one.
+void walk_one_by_one(const Scene* scene, const ShownField* field, const WalkLayers* layers, __global const Ray* rays,
+                     __global const Hit* hits, uint first, uint end, uint count) {
   SharedSide shared;
   shared.triangle = LUCARIUM_NONE;
   shared.same = 0u;
-  for (uint i = first; i < min(first + WALK_PIXELS, count); ++i) {
-    prefetch_pixel(&scene, &field, hits, i, count);
+  for (uint i = first; i < end; ++i) {
+    prefetch_pixel(scene, field, hits, i, count);
     const Hit hit = hits[i];
     const float3 direction = rays[i].direction.xyz;
     GBufferPoint point = begin_eye_path();
     float3 once = (float3)(0.0f), more = once;
     if (hit.triangle == LUCARIUM_NO_HIT) {
-      leave_scene(&scene, direction, &point);
+      leave_scene(scene, direction, &point);
     } else {
       const float3* normal = shared.triangle == hit.triangle ? &shared.normal : 0;
-      const Surface surface = make_surface_of(&scene, hit, direction, 0u, normal);
-      arrive_at_surface(&scene, &surface, hit, &point);
-      if (shows) {
-        find_lobes(&scene, &surface, &shared);
+      const Surface surface = make_surface_of(scene, hit, direction, 0u, normal);
+      arrive_at_surface(scene, &surface, hit, &point);
+      if (layers->shows) {
+        find_lobes(scene, &surface, &shared);
         show_surface(&surface, &shared, hit, &point);
-        const FieldPlace place = find_place(&field, &point);
-        add_shown(&field, &place, &point, shared.ideal, &once, &more);
+        const FieldPlace place = find_place(field, &point);
+        add_shown(field, &place, &point, shared.ideal, &once, &more);
       }
     }
-    emission[i] = add_sample(begins ? none : emission[i], point.emission.xyz);
-    if (!shows && !begins) continue;
-    const float4 direct_before = begins ? none : direct_layer[i], indirect_before = begins ? none : indirect_layer[i];
-    direct_layer[i] = shows ? mix_sample(direct_before, once, weight) : none;
-    indirect_layer[i] = shows ? mix_sample(indirect_before, more, weight) : none;
+    add_pixel(layers, i, point.emission.xyz, once, more);
   }
+}
+
+#ifdef LUCARIUM_HAS_PREFETCH
+// Pixels first to first + WALK_PIXELS - 1, or to count - 1.
+void walk_by_blocks(const Scene* scene, const ShownField* field, const WalkTables* tables, const WalkLayers* layers,
+                    uint first, uint count) {
+  const uint end = min(first + WALK_PIXELS, count), blocks = (end - first) / 8u;
+  WalkBlock all[WALK_PIXELS / 8u];
+  for (uint b = 0u; b < blocks; ++b) ask_for_triangles(tables, first + 8u * b, all + b);
+  for (uint b = 0u; b < blocks; ++b) find_cells_of_block(field, tables, first + 8u * b, all + b);
+  for (uint b = 0u; b < blocks; ++b)
+    if (all[b].shown) find_light_of_block(field, tables, first + 8u * b, all + b);
+  for (uint b = 0u; b < blocks; ++b) {
+    const uint begin = first + 8u * b;
+    if (!all[b].shown) {
+      walk_one_by_one(scene, field, layers, tables->rays, tables->hits, begin, begin + 8u, count);
+      continue;
+    }
+    WalkPixels pixels;
+    show_block(field, tables, begin, all + b, &pixels);
+    for (uint k = 0u; k < 8u; ++k)
+      add_pixel(layers, begin + k, tables->sides[all[b].side[k]].emitted.xyz, pixels.once[k].xyz, pixels.more[k].xyz);
+  }
+  walk_one_by_one(scene, field, layers, tables->rays, tables->hits, first + 8u * blocks, end, count);
+}
+#endif
+
+// Adds to `emission` a sample, and to the other layers one that counts `weight` of the mean (show_field.cl), if
+// `shows`. begins: what the layers hold is of another picture.
+__kernel LUCARIUM_FLATTEN void walk_field(
+    LUCARIUM_SCENE_PARAMETERS SHOWN_FIELD_PARAMETERS __global const WalkTriangle* restrict walk_triangles,
+    __global const WalkSide* restrict walk_sides, __global const WalkLight* restrict walk_light,
+    __global const Ray* restrict rays, __global const Hit* restrict hits, uint count, uint shows, uint begins,
+    float weight, __global float4* restrict emission, __global float4* restrict direct_layer,
+    __global float4* restrict indirect_layer) {
+  const uint first = get_global_id(0);
+  if (first % WALK_PIXELS != 0u || first >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const ShownField field = SHOWN_FIELD_BIND;
+  const WalkLayers layers = {emission, direct_layer, indirect_layer, shows, begins, weight};
+#ifdef LUCARIUM_HAS_PREFETCH
+  const WalkTables tables = {walk_triangles, walk_sides, walk_light, rays, hits};
+  if (shows) {
+    walk_by_blocks(&scene, &field, &tables, &layers, first, count);
+    return;
+  }
+#endif
+  walk_one_by_one(&scene, &field, &layers, rays, hits, first, min(first + WALK_PIXELS, count), count);
 }

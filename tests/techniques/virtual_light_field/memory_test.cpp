@@ -83,6 +83,7 @@ TEST_CASE("stated memory is what is taken, up to a tenth") {
       {"builtin:spheres", {{"cells", "128"}, {"tile", "0"}, {"split_layers", "off"}, {"cache_visibility", "0"}}},
       {"builtin:spheres", {{"cells", "64"}, {"store", "csr"}, {"perturb", "2"}, {"cache_visibility", "0"}}},
       {"builtin:atrium", {{"cells", "64"}}},
+      {"builtin:atrium", {{"cells", "64"}, {"preset", "walkthrough"}}},
   };
   for (const auto& [name, more] : cases) {
     const Memory memory = memory_of(name, {}, with(few, more));
