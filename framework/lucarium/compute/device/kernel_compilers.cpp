@@ -9,14 +9,15 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
+#include "lucarium/compute/device/host_memory.h"
 #include "lucarium/compute/device/pocl_folder.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
 namespace {
 
-// Each takes some 150 MB while it compiles.
-constexpr size_t most_useful = 8;
+constexpr size_t most_useful = 4;                   // one long kernel takes as long as all others together
+constexpr size_t bytes_of_one = size_t{640} << 20;  // while it compiles the longest kernel
 
 /// Beside this library, in a folder of its own (apps/kernel_compiler).
 fs::path compiler_program() {
@@ -119,7 +120,8 @@ std::unique_ptr<KernelCompilers> make_kernel_compilers(const DeviceInfo& device,
       options.threads > 0 ? static_cast<size_t>(options.threads) : std::max(std::thread::hardware_concurrency(), 1u);
   const bool useful = device.is_pocl && device.type == DeviceType::cpu && driver_folder() && processors > 1;
   if (!useful || compiler_program().empty()) return nullptr;
-  return std::make_unique<KernelCompilers>(device, std::min(processors, most_useful));
+  const size_t possible = std::min({processors, most_useful, available_host_memory() / bytes_of_one});
+  return possible > 0 ? std::make_unique<KernelCompilers>(device, possible) : nullptr;
 }
 
 }  // namespace lucarium

@@ -62,7 +62,8 @@ class KernelCompilers {
   std::vector<std::thread> threads_;  // one for each process
 };
 
-/// One for each processor that may be used; null where they would be of no use.
+/// One for each processor that may be used, 4 at the most, fewer where memory is short; null where they would be of no
+/// use.
 std::unique_ptr<KernelCompilers> make_kernel_compilers(const DeviceInfo& device, const DeviceOptions& options);
 
 }  // namespace lucarium
