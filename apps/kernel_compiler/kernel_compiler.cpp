@@ -7,9 +7,12 @@
 // here, without memory, and PoCL is given a function that does nothing in place of what it has compiled.
 #include <CL/cl.h>
 #include <dlfcn.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -17,6 +20,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 namespace {
@@ -129,10 +133,19 @@ class Compiler {
   std::map<std::string, cl_program> programs_;
 };
 
+/// A kernel may take seconds, and nobody wants it when the other process is gone.
+void end_with_other_process() {
+  pollfd input{STDIN_FILENO, 0, 0};  // hang-ups are always reported
+  while (::poll(&input, 1, -1) < 0 || !(input.revents & (POLLHUP | POLLERR))) {
+  }
+  ::_exit(0);
+}
+
 }  // namespace
 
 int main(int count, char** arguments) try {
   if (count != 3) throw std::runtime_error("started by the framework, with the names of a platform and a device");
+  std::thread(end_with_other_process).detach();
   Compiler compiler(find_device(arguments[1], arguments[2]));
   for (std::string line; std::getline(std::cin, line);) {
     compiler.compile(nlohmann::json::parse(line));

@@ -17,27 +17,38 @@
 namespace lucarium {
 namespace {
 
+/// Above the standard streams, whose places the child's ends take.
+int above_standard_streams(int descriptor) {
+  if (descriptor < 0 || descriptor > STDERR_FILENO) return descriptor;
+  const int moved = ::fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  ::close(descriptor);
+  return moved;
+}
+
 /// Starts the child with the other end of `own`.
-SpawnedProcess start(std::vector<std::string> arguments, int& own) {
+SpawnedProcess start(std::vector<std::string> arguments, int held, int& own) {
   struct Ends {
-    int child = -1, silence = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    int child = -1, silence = -1;
     ~Ends() {
       if (child >= 0) ::close(child);
       if (silence >= 0) ::close(silence);
     }
   } ends;
-  int pair[2];
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0 || ends.silence < 0)
+  int pair[2] = {-1, -1};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) == 0) {
+    own = pair[0];
+    ends.child = above_standard_streams(pair[1]);
+    ends.silence = above_standard_streams(::open("/dev/null", O_WRONLY | O_CLOEXEC));
+  }
+  if (ends.child < 0 || ends.silence < 0)
     throw_error(ErrorClass::input, "cannot talk to {}: {}", arguments[0], std::strerror(errno));
-  own = pair[0];
-  ends.child = pair[1];
-  return SpawnedProcess(std::move(arguments), ends.child, ends.child, ends.silence);
+  return SpawnedProcess(std::move(arguments), ends.child, ends.child, ends.silence, held);
 }
 
 }  // namespace
 
-ChildConversation::ChildConversation(std::vector<std::string> arguments)
-    : child_(start(std::move(arguments), own_.descriptor)) {}
+ChildConversation::ChildConversation(std::vector<std::string> arguments, int held)
+    : child_(start(std::move(arguments), held, own_.descriptor)) {}
 
 ChildConversation::Socket::~Socket() {
   if (descriptor >= 0) ::close(descriptor);

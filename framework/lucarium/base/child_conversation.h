@@ -11,8 +11,9 @@ namespace lucarium {
 /// error is dropped. The child is killed when the conversation goes.
 class ChildConversation {
  public:
-  /// Throws Error{input} when the program cannot be started.
-  explicit ChildConversation(std::vector<std::string> arguments);
+  /// The child holds the descriptor `held` while it lives (-1: none). Throws Error{input} when the program cannot be
+  /// started.
+  explicit ChildConversation(std::vector<std::string> arguments, int held = -1);
 
   /// Sends one line and waits for the line that answers it, without its end. False when the child is gone.
   bool ask(const std::string& line, std::string& answer);

@@ -37,12 +37,13 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
 
 }  // namespace
 
-SpawnedProcess::SpawnedProcess(std::vector<std::string> arguments, int in, int out, int error) {
+SpawnedProcess::SpawnedProcess(std::vector<std::string> arguments, int in, int out, int error, int held) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, error, STDERR_FILENO);
+  if (held >= 0) posix_spawn_file_actions_adddup2(&actions, held, held);  // no longer closed by exec
   std::vector<std::string> variables = child_environment();
   const int failure = posix_spawnp(&id_, arguments[0].c_str(), &actions, nullptr, pointers_to(arguments).data(),
                                    pointers_to(variables).data());

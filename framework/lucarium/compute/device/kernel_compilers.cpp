@@ -4,6 +4,8 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <utility>
 
 #include "lucarium/base/error.h"
@@ -16,6 +18,8 @@ namespace lucarium {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::chrono::milliseconds look_up_time{100};  // between two looks at whether it was cancelled
+constexpr std::chrono::milliseconds idle_time{2000};
 constexpr size_t most_useful = 4;                   // one long kernel takes as long as all others together
 constexpr size_t bytes_of_one = size_t{640} << 20;  // while it compiles the longest kernel
 
@@ -56,69 +60,103 @@ KernelCompilers::~KernelCompilers() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
+    for (const ChildConversation* process : processes_) process->kill();
   }
   changed_.notify_all();
-  for (const auto& process : processes_) process->kill();
   for (std::thread& thread : threads_) thread.join();
 }
 
-void KernelCompilers::start_processes() {
-  try {
-    while (threads_.size() < most_processes_) {
-      processes_.push_back(std::make_unique<ChildConversation>(
-          std::vector<std::string>{compiler_program().string(), platform_, device_}));
-      ++living_;
-      threads_.emplace_back([this, process = processes_.back().get()] { serve(*process); });
-    }
-  } catch (const std::exception& error) {
-    log_debug("kernels are compiled by {} other processes: {}", threads_.size(), error.what());
-    most_processes_ = threads_.size();
+/// Known to the destructor while it lives.
+struct KernelCompilers::Listed {
+  KernelCompilers& all;
+  const ChildConversation* process;
+  Listed(KernelCompilers& compilers, const ChildConversation& one) : all(compilers), process(&one) {
+    const std::lock_guard lock(all.mutex_);
+    all.processes_.insert(process);
   }
-}
+  ~Listed() {
+    const std::lock_guard lock(all.mutex_);
+    all.processes_.erase(process);
+  }
+};
 
 void KernelCompilers::want(LaunchCode code) {
   const std::lock_guard lock(mutex_);
   if (most_processes_ == 0 || !wanted_.insert(code.id).second) return;
-  start_processes();
+  if (serving_ < std::min(most_processes_, unfinished_.size() + 1)) {
+    try {
+      threads_.emplace_back([this] { serve(); });
+      ++serving_;
+    } catch (const std::exception& error) {
+      log_debug("no more processes for compiling kernels: {}", error.what());
+      most_processes_ = serving_;
+    }
+  }
+  if (serving_ == 0) return;
   unfinished_.insert(code.id);
   waiting_.push_back(std::move(code));
-  changed_.notify_one();
+  changed_.notify_all();
 }
 
-void KernelCompilers::wait_for(const std::string& id) {
+bool KernelCompilers::wait_for(const std::string& id, const std::function<bool()>& cancelled) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return living_ == 0 || !unfinished_.contains(id); });
+  awaited_ = id;
+  while (serving_ > 0 && unfinished_.contains(id)) {
+    if (cancelled && cancelled()) return false;
+    changed_.wait_for(lock, look_up_time);
+  }
+  return true;
 }
 
-void KernelCompilers::serve(ChildConversation& process) {
+void KernelCompilers::serve() {
+  std::string problem;
+  try {
+    const int held = driver_folder() ? driver_folder()->lock() : -1;
+    ChildConversation process({compiler_program().string(), platform_, device_}, held);
+    const Listed listed(*this, process);
+    if (!compile_waiting(process)) problem = "it has ended";
+  } catch (const std::exception& error) {
+    problem = error.what();
+  }
+  const std::lock_guard lock(mutex_);
+  --serving_;
+  if (!problem.empty()) {
+    log_debug("a process that compiles kernels is of no use: {}", problem);
+    --most_processes_;
+  }
+  changed_.notify_all();
+}
+
+/// Until there was nothing to do for a while. False when the process has ended.
+bool KernelCompilers::compile_waiting(ChildConversation& process) {
   for (;;) {
     LaunchCode code;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] { return ending_ || !waiting_.empty(); });
-      if (ending_) return;
-      const auto longest = std::max_element(waiting_.begin(), waiting_.end(), takes_less_time);
-      code = std::move(*longest);
-      waiting_.erase(longest);
+      changed_.wait_for(lock, idle_time, [&] { return ending_ || !waiting_.empty(); });
+      if (ending_ || waiting_.empty()) return true;
+      auto next = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& c) { return c.id == awaited_; });
+      if (next == waiting_.end()) next = std::max_element(waiting_.begin(), waiting_.end(), takes_less_time);
+      code = std::move(*next);
+      waiting_.erase(next);
     }
     std::string answer;
-    const bool is_there = process.ask(request(code), answer);
+    const bool is_done = process.ask(request(code), answer) && answer == "done";
     {
       const std::lock_guard lock(mutex_);
       unfinished_.erase(code.id);
-      if (!is_there) --living_;
     }
     changed_.notify_all();
-    if (is_there) continue;
-    log_debug("a process that compiles kernels has ended at kernel {}", code.kernel);
-    return;
+    if (!is_done) return false;
   }
 }
 
 std::unique_ptr<KernelCompilers> make_kernel_compilers(const DeviceInfo& device, const DeviceOptions& options) {
   const size_t processors =
       options.threads > 0 ? static_cast<size_t>(options.threads) : std::max(std::thread::hardware_concurrency(), 1u);
-  const bool useful = device.is_pocl && device.type == DeviceType::cpu && driver_folder() && processors > 1;
+  const char* kept = std::getenv("POCL_KERNEL_CACHE");  // 0: each process compiles for itself
+  const bool shares = driver_folder() && !(kept && std::string(kept) == "0");
+  const bool useful = device.is_pocl && device.type == DeviceType::cpu && shares && processors > 1;
   if (!useful || compiler_program().empty()) return nullptr;
   const size_t possible = std::min({processors, most_useful, available_host_memory() / bytes_of_one});
   return possible > 0 ? std::make_unique<KernelCompilers>(device, possible) : nullptr;

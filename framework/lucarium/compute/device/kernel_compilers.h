@@ -3,6 +3,7 @@
 #include <array>
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -35,7 +36,7 @@ struct LaunchCode {
 /// Nothing depends on them: what they have not compiled, PoCL compiles at the launch, as it does without them.
 class KernelCompilers {
  public:
-  /// `processes` of them at the most; they start with the first want().
+  /// `processes` of them at the most, which end when there is nothing to do.
   KernelCompilers(const DeviceInfo& device, size_t processes);
   ~KernelCompilers();
   KernelCompilers(const KernelCompilers&) = delete;
@@ -43,23 +44,25 @@ class KernelCompilers {
 
   /// Has it compiled, unless that was asked before.
   void want(LaunchCode code);
-  /// Waits until it is compiled, if that was asked and there is a process to do so.
-  void wait_for(const std::string& id);
+  /// Waits until it is compiled, if that was asked and there is a process to do so; begins it next. False: cancelled.
+  bool wait_for(const std::string& id, const std::function<bool()>& cancelled = {});
 
  private:
-  void start_processes();
-  void serve(ChildConversation& process);
+  struct Listed;
+  void serve();
+  bool compile_waiting(ChildConversation& process);
 
   std::string platform_, device_;
-  size_t most_processes_;
   std::mutex mutex_;  // of all below
   std::condition_variable changed_;
+  size_t most_processes_;
   std::vector<LaunchCode> waiting_;
   std::set<std::string> wanted_, unfinished_;
-  size_t living_ = 0;  // processes
+  std::string awaited_;  // the id that somebody waits for
+  std::set<const ChildConversation*> processes_;
+  size_t serving_ = 0;  // threads that have not ended
   bool ending_ = false;
-  std::vector<std::unique_ptr<ChildConversation>> processes_;
-  std::vector<std::thread> threads_;  // one for each process
+  std::vector<std::thread> threads_;  // one for each process that there was
 };
 
 /// One for each processor that may be used, 4 at the most, fewer where memory is short; null where they would be of no

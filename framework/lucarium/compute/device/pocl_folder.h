@@ -26,6 +26,9 @@ class DriverFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
+  /// A process that holds it keeps the folder from being taken for an abandoned one.
+  int lock() const { return lock_; }
+
   /// Whether a path looks like a folder of this class, of whichever process.
   static bool is_one(const std::filesystem::path& path);
 

@@ -66,6 +66,14 @@ std::string program_made_by(const Hash128& key, const std::function<void()>& bui
   return program_of(key);
 }
 
+bool has_launch_code(const std::string& program, const std::string& kernel, const std::array<size_t, 3>& local,
+                     bool is_large) {
+  const std::string variant =
+      fmt::format("{}-{}-{}-goffs0{}", local[0], local[1], local[2], is_large ? "" : "-smallgrid");
+  std::error_code failure;
+  return fs::exists(driver_folder()->path() / program / kernel / variant / (kernel + launch_code), failure);
+}
+
 fs::path write_source(const Hash128& key, const std::string& source) {
   fs::path file = driver_folder()->path() / "sources" / (key.hex() + ".cl");
   write_new_file(file, source);

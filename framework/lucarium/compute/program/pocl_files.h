@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <set>
@@ -18,6 +19,10 @@ namespace lucarium {
 /// Runs `build` and returns the program that appeared meanwhile, or the one that the same `key` had before in this
 /// process; empty when neither is known.
 std::string program_made_by(const Hash128& key, const std::function<void()>& build);
+
+/// Whether there is code for launches of a kernel at offset 0, with this local size, for small or for large grids.
+bool has_launch_code(const std::string& program, const std::string& kernel, const std::array<size_t, 3>& local,
+                     bool is_large);
 
 /// Writes a program's source to where other processes find it, and returns the file.
 std::filesystem::path write_source(const Hash128& key, const std::string& source);

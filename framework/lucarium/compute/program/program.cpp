@@ -142,7 +142,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
   Hash128 key;
   std::string driver_program;        // see driver_files.h; empty where there is none to keep
   std::set<std::string> kept_files;  // of the driver, in the cache entry
-  ProgramSource source;              // where launch code is still to be compiled and others can do so
+  ProgramSource source;              // where others can compile launch code
 
   /// The programs that are ready.
   struct Registry {
@@ -204,7 +204,6 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
     } else {
       build(program.get(), *device, spec, source);
     }
-    if (device->kernel_compilers()) this->source = {write_source(key, source), build_options(spec)};
     CachedProgram entry;
     entry.signatures = reflect_kernels(*device, program.get(), spec.name);
     set_signatures(entry.signatures);
@@ -276,6 +275,8 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
     const std::lock_guard lock(State::registry().mutex);
     State::registry().states.insert(state_.get());
   }
+  if (device.kernel_compilers() && !state_->driver_program.empty())
+    state_->source = {write_source(state_->key, source), build_options(spec)};
   state_->build_seconds = watch.seconds();
   device.add_program_seconds(state_->build_seconds);
   all_processor_seconds += processor_seconds() - before;
@@ -303,6 +304,9 @@ const std::string& Program::name() const { return state_->name; }
 Device& Program::device() const { return *state_->device; }
 cl_program Program::handle() const { return state_->program.get(); }
 const ProgramSource& Program::source() const { return state_->source; }
+bool Program::has_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const {
+  return lucarium::has_launch_code(state_->driver_program, kernel, local, is_large);
+}
 bool Program::from_cache() const { return state_->from_cache; }
 double Program::build_seconds() const { return state_->build_seconds; }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <CL/cl.h>
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -44,8 +45,10 @@ class Program {
   cl_program handle() const;
   bool from_cache() const;       ///< whether it came from disk, uncompiled
   double build_seconds() const;  ///< wall time of compiling or loading
-  /// For other processes that compile its launch code; nothing when it came from disk or no process could use it.
+  /// For other processes that compile its launch code; nothing where there are none.
   const ProgramSource& source() const;
+  /// Whether the driver has code for such launches; only where source() is something.
+  bool has_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const;
   /// Throws Error{device} with the nearest name when the program has no such kernel.
   const KernelSignature& signature(std::string_view kernel) const;
   std::vector<std::string> kernel_names() const;

@@ -2,12 +2,17 @@
 #include "lucarium/compute/schedule/launch_code.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <vector>
 
 #include "lucarium/compute/device/kernel_compilers.h"
 
 namespace lucarium {
 namespace {
+
+constexpr size_t large_width = 65535;
+
+bool is_large(const std::array<size_t, 3>& global) { return std::max(global[0], global[1]) >= large_width; }
 
 std::vector<LaunchCode::Argument> arguments_of(const RecordedSchedule& recorded, const BoundArguments& bound) {
   using Kind = LaunchCode::Argument::Kind;
@@ -34,13 +39,14 @@ std::array<size_t, 3> whole_groups(std::array<size_t, 3> global, const std::arra
   return global;
 }
 
+bool large_code_serves_small_grids(const DeviceInfo& device) { return std::atoi(device.driver_version.c_str()) < 4; }
+
 std::array<size_t, 3> large_grid(const CompiledStep& step) {
-  return whole_groups({pocl_large_grid, step.global[1], step.global[2]}, step.local);
+  return whole_groups({large_width, step.global[1], step.global[2]}, step.local);
 }
 
 std::string launch_code_id(const CompiledStep& step, const std::array<size_t, 3>& global) {
-  const bool is_large = *std::max_element(global.begin(), global.end()) >= pocl_large_grid;
-  return step.launch + (is_large ? "/large" : "/small");
+  return step.launch + (is_large(global) ? "/large" : "/small");
 }
 
 void want_launch_code(const RecordedSchedule& recorded, const CompiledStep& step, const BoundArguments& bound) {
@@ -50,9 +56,14 @@ void want_launch_code(const RecordedSchedule& recorded, const CompiledStep& step
   std::array<size_t, 3> global = step.global;
   if (step.slice_items > 0) global[0] = std::min(global[0], step.slice_items);
   for (size_t& items : global) items = std::max<size_t>(items, 1);
-  global = step.counter >= 0 && step.slice_items == 0 ? large_grid(step) : whole_groups(global, step.local);
-  compilers->want({launch_code_id(step, global), source.file, source.options, step.kernel_name, global, step.local,
-                   arguments_of(recorded, bound)});
+  const auto want = [&](const std::array<size_t, 3>& size) {
+    if (step.program.has_launch_code(step.kernel_name, step.local, is_large(size))) return;
+    compilers->want({launch_code_id(step, size), source.file, source.options, step.kernel_name, size, step.local,
+                     arguments_of(recorded, bound)});
+  };
+  const bool of_any_class = step.counter >= 0 && step.slice_items == 0;
+  if (of_any_class) want(large_grid(step));
+  if (!of_any_class || !large_code_serves_small_grids(recorded.device->info())) want(whole_groups(global, step.local));
 }
 
 }  // namespace lucarium

@@ -9,18 +9,20 @@
 
 namespace lucarium {
 
-/// PoCL compiles grids from this width on separately (its grid_width_specialization_limit).
-inline constexpr size_t pocl_large_grid = 65536;
+/// Whether the driver takes code for small grids from what it has loaded for large ones, as long as the process lives.
+/// PoCL compiles grids of 65535 work-items and more along x or y separately (its grid_width_specialization_limit); it
+/// may drop code from memory from version 4 on.
+bool large_code_serves_small_grids(const DeviceInfo& device);
 
 /// `global` rounded up to whole work-groups.
 std::array<size_t, 3> whole_groups(std::array<size_t, 3> global, const std::array<size_t, 3>& local);
-/// The smallest large grid of a pass: what a warm-up launches where a counter decides the size.
+/// A small one of the grids that are large.
 std::array<size_t, 3> large_grid(const CompiledStep& step);
 
 /// Names the code of a launch of `global` work-items for KernelCompilers.
 std::string launch_code_id(const CompiledStep& step, const std::array<size_t, 3>& global);
 
-/// Has other processes compile what the pass will need, where there are some and its program was compiled here.
+/// Has other processes compile what the pass will need and the driver has not, where there are some.
 void want_launch_code(const RecordedSchedule& recorded, const CompiledStep& step, const BoundArguments& bound);
 
 }  // namespace lucarium

@@ -165,11 +165,22 @@ bool ScheduleRun::enqueue_kernel(size_t index) {
   if (options_.warm_up) {
     while (first_queued_ < record_.events.size()) wait_for_oldest();  // drivers may compile behind the enqueueing
     device_.compile_progress().launching(step(index).launch);
+    if (!wait_for_launch_code(index, global)) return false;
   }
   if (step(index).slice_items > 0) return enqueue_slices(index, global);
   const bool of_any_class = options_.warm_up && device_.info().is_pocl && step(index).counter >= 0;
-  // PoCL takes code that it has loaded for large grids for small ones, too, but not the other way round.
-  enqueue_piece(index, of_any_class ? large_grid(step(index)) : global, true);
+  const bool as_small = !of_any_class || !large_code_serves_small_grids(device_.info());
+  if (as_small) enqueue_piece(index, global, true);
+  if (of_any_class) enqueue_piece(index, large_grid(step(index)), !as_small);
+  return true;
+}
+
+/// What other processes compile of a warm-up's launches. False: cancelled.
+bool ScheduleRun::wait_for_launch_code(size_t index, const std::array<size_t, 3>& global) {
+  KernelCompilers* compilers = device_.kernel_compilers();
+  if (!compilers) return true;
+  for (const std::array<size_t, 3>& size : {global, large_grid(step(index))})
+    if (!compilers->wait_for(launch_code_id(step(index), size), [this] { return cancelled(); })) return false;
   return true;
 }
 
@@ -204,8 +215,6 @@ bool ScheduleRun::enqueue_slices(size_t index, std::array<size_t, 3> global) {
 
 void ScheduleRun::enqueue_piece(size_t index, const std::array<size_t, 3>& global, bool first) {
   const CompiledStep& launched = step(index);
-  if (options_.warm_up && device_.kernel_compilers())
-    device_.kernel_compilers()->wait_for(launch_code_id(launched, global));
   const cl_uint dimensions = global[2] > 1 || launched.local[2] > 1   ? 3
                              : global[1] > 1 || launched.local[1] > 1 ? 2
                                                                       : 1;

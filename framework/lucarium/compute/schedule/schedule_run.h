@@ -51,6 +51,7 @@ class ScheduleRun {
   void rebind(int life);
   void collect_waits(size_t step);
   bool enqueue_kernel(size_t index);
+  bool wait_for_launch_code(size_t index, const std::array<size_t, 3>& global);
   bool enqueue_slices(size_t index, std::array<size_t, 3> global);
   void enqueue_piece(size_t index, const std::array<size_t, 3>& global, bool first);
   void enqueue_fill(size_t index);
