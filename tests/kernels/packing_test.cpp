@@ -108,10 +108,13 @@ TEST_CASE("halfs are rounded up, by less than a step") {
   std::uniform_real_distribution<float> exponent(-20, 15.9f);
   for (int i = 0; i < 4096; ++i) in.push_back(std::exp2(exponent(random)));
   const auto input = test::test_buffer(in), output = test::test_buffer<float>(in.size());
+  const auto of_eight = test::test_buffer<float>(in.size());
   const auto count = static_cast<uint>(in.size());
-  test::run_kernel(packing_program(), "round_up", count, 1,
-                   [&](PassBuilder& pass) { pass.arg("in", input).arg("count", count).arg("out", output); });
+  test::run_kernel(packing_program(), "round_up", count, 1, [&](PassBuilder& pass) {
+    pass.arg("in", input).arg("count", count).arg("out", output).arg("of_eight", of_eight);
+  });
   const std::vector<float> out = output.download();
+  CHECK(of_eight.download() == out);
   size_t below = 0, far = 0;
   for (size_t i = 0; i < in.size(); ++i) {
     below += out[i] < in[i];

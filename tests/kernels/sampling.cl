@@ -59,6 +59,21 @@ kernel void blocks_of_eight(const uint seed, const uint index, const uint block,
   }
 }
 
+// The same block of eight samplers of one seed at once, and of each alone.
+kernel void blocks_of_one(const uint seed, const uint index, const uint block, global float4* together,
+                          global float4* alone) {
+  const uint8 lanes = (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u);
+  float8 c[4];
+  sampler_blocks_of_one(seed, index + lanes, block, c);
+  float numbers[4][8];
+  for (uint k = 0u; k < 4u; ++k) vstore8(c[k], 0, numbers[k]);
+  for (uint k = 0u; k < 8u; ++k) {
+    const Sampler sampler = {seed, index + k, LUCARIUM_SAMPLER_SOBOL};
+    together[k] = (float4)(numbers[0][k], numbers[1][k], numbers[2][k], numbers[3][k]);
+    alone[k] = sampler_block(&sampler, block);
+  }
+}
+
 // How a path's decisions are cut out of the blocks, and how a sampler gets its seed.
 kernel void path_dimensions(const uint vertex, global float4* points, global uint* seeds) {
   const Sampler sampler = make_sampler(3u, 1u, 7u, 11u, LUCARIUM_SAMPLER_SOBOL);

@@ -257,6 +257,21 @@ TEST_CASE("blocks of eight samplers at once are those of each alone, and so are 
       }
 }
 
+TEST_CASE("blocks of eight samplers of one seed at once are those of each alone") {
+  const auto together = test::test_buffer<float4>(8), alone = test::test_buffer<float4>(8);
+  for (const uint index : {0u, 8u, 65532u, 65536u, 0x30008u, 0x12345678u, 0xffff0000u})
+    for (const uint block : {0u, 1u, 37u}) {
+      test::run_kernel(sobol_program(), "blocks_of_one", 1, 1, [&](PassBuilder& pass) {
+        pass.arg("seed", 99u).arg("index", index).arg("block", block).arg("together", together).arg("alone", alone);
+      });
+      const auto got = together.download(), expected = alone.download();
+      CAPTURE(index);
+      CAPTURE(block);
+      for (int k = 0; k < 8; ++k)
+        for (int d = 0; d < 4; ++d) CHECK(component(got[k], d) == component(expected[k], d));
+    }
+}
+
 TEST_CASE("Halton points are radical inverses; scrambled ones keep the strata") {
   const int primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
   for (uint d = 0; d < 16; ++d) {

@@ -12,8 +12,13 @@
       __global uint *restrict path_lights,
 #define LIGHT_VERTEX_ARGUMENTS vertices, GLOSS_ARGUMENT(vertex_densities) vertices_per_path, path_lights,
 #define LIGHT_EMISSION_PARAMETERS __global const float* restrict shares,
+#define LIGHT_EMISSION_ARGUMENTS shares,
 #ifdef LEARNED_LIGHTS
 #define LIGHT_PATH_CHOOSE(scene, u, low_bits, choice) choose_path_light(scene, shares, u, low_bits, choice)
+#endif
+// Paths of eight at once, where nothing is asked for that plain surfaces do not tell.
+#if !defined(GLOSS) && !defined(EYE_BUNDLES) && !defined(LUCARIUM_RAY_ENDS)
+#define LIGHT_PATHS_PLAIN
 #endif
 #include "lucarium/services/light_paths/light_paths.clh"
 
@@ -35,6 +40,54 @@ void take_light_vertex(const Scene* scene, LIGHT_VERTEX_PARAMETERS const LightVe
   if (vertex->number > 0u && vertex->diffused == 0u) kept.view.w = as_float(as_uint(kept.view.w) | PATH_VERTEX_CAUSTIC);
   vertices[slot] = kept;
 }
+
+#ifdef LIGHT_PATHS_PLAIN
+// The same as take_light_vertex() and pack_path_vertex().
+LUCARIUM_JOIN void take_plain_light_vertices(const Scene* scene,
+                                             LIGHT_VERTEX_PARAMETERS const PlainLightVertices8* taken, uint first,
+                                             uint lanes, bool together) {
+  const PlainSurfaces8* s = &taken->surface;
+  const uint row = vertices_per_path * (sizeof(PathVertex) / sizeof(float4));
+  __global float4* rows = (__global float4*)(vertices + (size_t)first * vertices_per_path + taken->number);
+  const float8 met = fmax(s->met, 1e-4f), none = (float8)(0.0f);
+  uint8 flags = (uint8)((taken->number + 1u) << PATH_VERTEX_NUMBER_SHIFT);
+  flags |= as_uint8(s->front) & PATH_VERTEX_FRONT;
+  if (taken->number > 0u) flags |= as_uint8(taken->diffused == 0u) & PATH_VERTEX_CAUSTIC;
+  // The slots of paths further on are not in a cache: ask for them before they are written.
+  const __global PathVertex* next = vertices + (size_t)(first + 16u) * vertices_per_path + taken->number;
+#pragma unroll
+  for (uint k = 0u; k < 8u; ++k) {
+    LUCARIUM_PREFETCH(next + k * vertices_per_path);
+    LUCARIUM_PREFETCH((const __global float4*)(next + k * vertices_per_path) + 4);
+  }
+  if (together) {
+    flags &= as_uint8(lanes_of_bits8(lanes));
+    lanes = 255u;
+  }
+  store_fields8(rows, row, lanes, s->ray_start.x, s->ray_start.y, s->ray_start.z, taken->mis_fixed);
+  store_fields8(rows + 1, row, lanes, taken->flux.x / met, taken->flux.y / met, taken->flux.z / met,
+                taken->mis_turning);
+  store_fields8(rows + 2, row, lanes, s->n_g.x, s->n_g.y, s->n_g.z, s->alpha);
+  store_fields8(rows + 3, row, lanes, s->n_s.x, s->n_s.y, s->n_s.z, (float8)(1.0f));
+  store_fields8(rows + 4, row, lanes, s->view.x, s->view.y, s->view.z, as_float8(flags));
+  store_fields8(rows + 5, row, lanes, s->diffuse.x, s->diffuse.y, s->diffuse.z, as_float8((uint8)(LUCARIUM_NONE)));
+  store_fields8(rows + 6, row, lanes, none, none, none, as_float8(s->triangle));
+  store_fields8(rows + 7, row, lanes, none, none, none, as_float8(halves_above8(s->ray_offset) << 16));
+  __global uint* lights = path_lights + first;
+  if (lanes == 255u) {
+    vstore8(taken->light, 0, lights);
+    return;
+  }
+  if (lanes & 1u) lights[0] = taken->light.s0;
+  if (lanes & 2u) lights[1] = taken->light.s1;
+  if (lanes & 4u) lights[2] = taken->light.s2;
+  if (lanes & 8u) lights[3] = taken->light.s3;
+  if (lanes & 16u) lights[4] = taken->light.s4;
+  if (lanes & 32u) lights[5] = taken->light.s5;
+  if (lanes & 64u) lights[6] = taken->light.s6;
+  if (lanes & 128u) lights[7] = taken->light.s7;
+}
+#endif
 
 // Before a run: no path has a vertex.
 __kernel void clear_light_vertices(__global PathVertex* restrict vertices, uint count, uint slice_base) {

@@ -63,8 +63,8 @@ bool VplMaps::fill(uint32_t seed, uint32_t sample) {
 void VplMaps::record_test(ScheduleRecorder& recorder, const ShadowRays& rays) const {
   PassBuilder test = recorder.pass("shading.vpl_maps", program_, "test_vpl_maps");
   scene_.bind(test);
-  test.global(rays.capacity)
-      .slice(kSlice)
+  test.global((rays.capacity + 7) / 8)
+      .slice(kSlice / 8)
       .arg("vertices_per_path", vertices_per_path_)
       .arg("vertices", vertices_.vertices())
       .arg("places", places_)

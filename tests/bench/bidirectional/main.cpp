@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> parts = {"paths", "ways", "stored", "rates"};
   std::string json;
   CLI::App app("The ratios that bidirectional_vpl is judged by, with floors and goals");
-  app.add_option("parts", parts, "what is measured")->check(CLI::IsMember({"paths", "ways", "stored", "rates"}));
+  app.add_option("parts", parts, "what is measured")
+      ->check(CLI::IsMember({"paths", "ways", "stored", "rates", "light"}));
   const auto number = [&](const char* name, auto& value, const char* text, int low, int high) {
     app.add_option(name, value, text)->check(CLI::Range(low, high))->capture_default_str();
   };
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
     if (asked("ways")) measure_ways(bars, effort);
     if (asked("stored")) measure_stored(bars, effort);
     if (asked("rates")) measure_rates(bars, effort);
+    if (asked("light")) measure_light_rays(bars, effort);
     if (!json.empty() && !(std::ofstream(json) << bars.json()))
       throw std::runtime_error(json + ": cannot be written; give another file");
   } catch (const std::exception& error) {

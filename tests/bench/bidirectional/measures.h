@@ -24,6 +24,8 @@ void measure_ways(Bars& bars, const Effort& effort);
 void measure_stored(Bars& bars, const Effort& effort);
 /// Candidates, rays of light paths, threads.
 void measure_rates(Bars& bars, const Effort& effort);
+/// The second of these alone.
+void measure_light_rays(Bars& bars, const Effort& effort);
 
 /// The closed room of 70 000 triangles with a lamp and a point light, seen from a corner.
 Scene make_lit_room();

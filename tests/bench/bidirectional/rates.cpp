@@ -49,6 +49,18 @@ void measure_candidates(Bars& bars, const Effort& effort) {
   bars.add("candidates, millions per second and processor", 60, 200, 1e-6 * kSurfaces * kCompared / median(all[0].cpu));
 }
 
+void measure_threads(Bars& bars, const Effort& effort) {
+  const auto session = make_session("bidirectional_vpl", make_lit_room(), 256, {{"adapt", "off"}}, 4);
+  session->run({.iterations = 1});
+  const auto run = [&] { session->run({.iterations = 2}); };
+  std::vector<Contestant> all{{.name = "one", .run = run, .cpus = 1}, {.name = "two", .run = run, .cpus = 2}};
+  run_rounds(all, effort.rounds);
+  const auto fastest = [](const Contestant& c) { return *std::min_element(c.wall.begin(), c.wall.end()); };
+  bars.add("an iteration, two threads over one (elapsed, fastest)", 1.6, 1.9, fastest(all[0]) / fastest(all[1]));
+}
+
+}  // namespace
+
 void measure_light_rays(Bars& bars, const Effort& effort) {
   const auto session = make_session("bidirectional_vpl", make_lit_room(), 64,
                                     {{"strategy", "vpl"}, {"light_paths", "262144"}, {"adapt", "off"}}, 4);
@@ -71,18 +83,6 @@ void measure_light_rays(Bars& bars, const Effort& effort) {
   bars.note("light paths of 262 144, an iteration's rays and vertices", 1e3 * median(whole), "ms");
   bars.add("rate of light paths' rays over that of the hierarchy alone", 0.8, 0.95, median_ratio(traced, whole));
 }
-
-void measure_threads(Bars& bars, const Effort& effort) {
-  const auto session = make_session("bidirectional_vpl", make_lit_room(), 256, {{"adapt", "off"}}, 4);
-  session->run({.iterations = 1});
-  const auto run = [&] { session->run({.iterations = 2}); };
-  std::vector<Contestant> all{{.name = "one", .run = run, .cpus = 1}, {.name = "two", .run = run, .cpus = 2}};
-  run_rounds(all, effort.rounds);
-  const auto fastest = [](const Contestant& c) { return *std::min_element(c.wall.begin(), c.wall.end()); };
-  bars.add("an iteration, two threads over one (elapsed, fastest)", 1.6, 1.9, fastest(all[0]) / fastest(all[1]));
-}
-
-}  // namespace
 
 void measure_rates(Bars& bars, const Effort& effort) {
   measure_candidates(bars, effort);

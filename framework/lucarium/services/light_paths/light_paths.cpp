@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/services/light_paths/light_paths.h"
 
+#include <algorithm>
+
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/ray_ends.h"
@@ -10,7 +12,17 @@ namespace lucarium {
 namespace {
 
 constexpr size_t kPathsPerSlice = 1 << 16;
+// Work-items of a group, each with eight paths: PoCL keeps what is not in registers for all of a group.
+constexpr size_t kItemsPerGroup = 16;
+// Paths that are traced together, from their lights to their last vertices: rays, hits and states of so many stay in
+// caches. More where there would be too many batches.
+constexpr uint32_t kPathsPerBatch = 1 << 14, kMaxBatches = 16;
 constexpr uint32_t kCountChunk = 1 << 12;
+
+uint32_t batch_of(uint32_t paths) {
+  const uint32_t least = (paths + kMaxBatches - 1) / kMaxBatches;
+  return std::min(paths, std::max(kPathsPerBatch, (least + 7) / 8 * 8));
+}
 
 LightPathRules rules_of(const LightPathOptions& options) {
   LightPathRules rules{};
@@ -34,58 +46,71 @@ LightPaths::LightPaths(Device& device, const SceneBuffers& scene, const Intersec
       scene_(scene),
       intersector_(intersector),
       options_(options),
-      count_(device, owner, "number of light paths", std::vector<uint32_t>{options.paths}),
+      batch_(batch_of(options.paths)),
+      count_(device, owner, "number of light paths", std::vector<uint32_t>{batch_, options.paths % batch_}),
       ray_counts_(device, owner, "rays of light paths, counted", std::vector<uint32_t>{0, 0}) {}
 
 void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
                         const Program& program, const Bind& bind, const Bind& bind_emission,
                         const FirstHits& first_hits) const {
-  const uint32_t paths = options_.paths;
-  const LightPathRules rules = rules_of(options_);
-  const BufferRef rays = recorder.transient<Ray>("rays of light paths", paths, options_.remedy);
-  const BufferRef hits = recorder.transient<Hit>("hits of light paths", paths, options_.remedy);
-  const BufferRef ends =
-      transient_ray_ends(recorder, intersector_, "ends of rays of light paths", paths, options_.remedy);
-  const BufferRef states = recorder.transient<LightPathState>("light paths", paths, options_.remedy);
   if (options_.count_rays) recorder.fill_zero("no rays of light paths", ray_counts_);
+  const Transients of{
+      recorder.transient<Ray>("rays of light paths", batch_, options_.remedy),
+      recorder.transient<Hit>("hits of light paths", batch_, options_.remedy),
+      transient_ray_ends(recorder, intersector_, "ends of rays of light paths", batch_, options_.remedy),
+      recorder.transient<LightPathState>("light paths", batch_, options_.remedy)};
+  for (uint32_t base = 0; base < options_.paths; base += batch_)
+    record_batch(recorder, base, of, run, seed, program, bind, bind_emission, first_hits);
+}
+
+void LightPaths::record_batch(ScheduleRecorder& recorder, uint32_t base, const Transients& of,
+                              const Variable<uint32_t>& run, const Variable<uint32_t>& seed, const Program& program,
+                              const Bind& bind, const Bind& bind_emission, const FirstHits& first_hits) const {
+  const uint32_t paths = std::min(batch_, options_.paths - base), items = (paths + 7) / 8;
+  const LightPathRules rules = rules_of(options_);
   PassBuilder emit = recorder.pass("emit light paths", program, "emit_light_paths");
   scene_.bind(emit);
-  emit.global(paths)
-      .slice(kPathsPerSlice)
+  emit.global(items)
+      .slice(kPathsPerSlice / 8)
       .arg("rules", rules)
+      .arg("base", base)
+      .arg("count", paths)
       .arg("frame", run)
       .arg("seed", seed)
-      .arg("rays", rays)
-      .arg_if_present("ends", ends)
-      .arg("states", states);
+      .arg("rays", of.rays)
+      .arg_if_present("ends", of.ends)
+      .arg("states", of.states);
   if (bind_emission) bind_emission(emit);
   for (uint32_t number = 0; number < options_.vertices; ++number) {
-    const RayBuffers edges{rays, count_, 0, paths, ends};
-    BufferRef traced = rays;
+    const RayBuffers edges{of.rays, count_, paths == batch_ ? 0u : 1u, paths, of.ends};
+    BufferRef traced = of.rays;
     if (number == 0 && first_hits)
-      traced = first_hits(recorder, edges, states, hits);
+      traced = first_hits(recorder, edges, of.states, of.hits);
     else
-      intersector_.record_closest(recorder, "trace light paths", edges, hits);
+      intersector_.record_closest(recorder, "trace light paths", edges, of.hits);
     if (options_.count_rays)
       recorder.pass("count rays of light paths", program, "count_light_rays")
           .global((paths + kCountChunk - 1) / kCountChunk)
           .arg("rays", traced)
-          .arg("hits", hits)
+          .arg("hits", of.hits)
           .arg("count", paths)
           .arg("chunk", kCountChunk)
           .arg("counts", ray_counts_);
     PassBuilder advance = recorder.pass("vertices of light paths", program, "advance_light_paths");
     scene_.bind(advance);
-    advance.global(paths)
-        .slice(kPathsPerSlice)
+    advance.global(items)
+        .local(kItemsPerGroup)
+        .slice(kPathsPerSlice / 8)
         .arg("rules", rules)
+        .arg("base", base)
+        .arg("count", paths)
         .arg("frame", run)
         .arg("seed", seed)
         .arg("number", number)
-        .arg("hits", hits)
-        .arg("rays", rays)
-        .arg_if_present("ends", ends)
-        .arg("states", states);
+        .arg("hits", of.hits)
+        .arg("rays", of.rays)
+        .arg_if_present("ends", of.ends)
+        .arg("states", of.states);
     bind(advance);
   }
 }
@@ -109,7 +134,7 @@ void LightPaths::record_virtual_lights(ScheduleRecorder& recorder, const Variabl
 }
 
 size_t LightPaths::estimate_bytes(uint32_t paths) {
-  return size_t{paths} * (sizeof(Ray) + sizeof(Hit) + sizeof(LightPathState));
+  return size_t{batch_of(paths)} * (sizeof(Ray) + sizeof(Hit) + sizeof(LightPathState));
 }
 
 }  // namespace lucarium

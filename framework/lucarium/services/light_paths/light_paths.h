@@ -37,7 +37,7 @@ struct LightPathOptions {
 class LightPaths {
  public:
   using Bind = std::function<void(PassBuilder&)>;
-  /// Records what the first rays of all paths meet, and returns the rays that are traced for it; the others' are
+  /// Records what the first rays of a batch of paths meet, and returns the rays that are traced for it; the others' are
   /// inactive there. `states`: LightPathState.
   using FirstHits =
       std::function<BufferRef(ScheduleRecorder&, const RayBuffers&, const BufferRef& states, const BufferRef& hits)>;
@@ -71,11 +71,19 @@ class LightPaths {
   static size_t estimate_bytes(uint32_t paths);  ///< device memory of a run, without what vertices become [bytes]
 
  private:
+  struct Transients {
+    BufferRef rays, hits, ends, states;
+  };
+  void record_batch(ScheduleRecorder& recorder, uint32_t base, const Transients& of, const Variable<uint32_t>& run,
+                    const Variable<uint32_t>& seed, const Program& program, const Bind& bind, const Bind& bind_emission,
+                    const FirstHits& first_hits) const;
+
   Device& device_;
   const SceneBuffers& scene_;
   const Intersector& intersector_;
   LightPathOptions options_;
-  TypedBuffer<uint32_t> count_;  ///< one element, as the intersector takes it
+  uint32_t batch_;               ///< paths that are traced together
+  TypedBuffer<uint32_t> count_;  ///< paths of a batch and of the last, as the intersector takes them
   TypedBuffer<uint32_t> ray_counts_;
 };
 
