@@ -16,7 +16,7 @@
 #ifdef LEARNED_LIGHTS
 #define LIGHT_PATH_CHOOSE(scene, u, low_bits, choice) choose_path_light(scene, shares, u, low_bits, choice)
 #endif
-// Paths of eight at once, where nothing is asked for that plain surfaces do not tell.
+// Paths of eight at once, where nothing is asked for that plain surfaces do not have.
 #if !defined(GLOSS) && !defined(EYE_BUNDLES) && !defined(LUCARIUM_RAY_ENDS)
 #define LIGHT_PATHS_PLAIN
 #endif

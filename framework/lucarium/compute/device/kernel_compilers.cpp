@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::chrono::milliseconds look_up_time{100};  // between two looks at whether it was cancelled
 constexpr std::chrono::milliseconds idle_time{2000};
-constexpr size_t most_useful = 4;                   // one long kernel takes as long as all others together
+constexpr size_t max_useful = 4;                    // one long kernel takes as long as all others together
 constexpr size_t bytes_of_one = size_t{640} << 20;  // while it compiles the longest kernel
 
 /// Beside this library, in a folder of its own (apps/kernel_compiler).
@@ -54,7 +54,7 @@ std::string request(const LaunchCode& code) {
 }  // namespace
 
 KernelCompilers::KernelCompilers(const DeviceInfo& device, size_t processes)
-    : platform_(device.platform), device_(device.name), most_processes_(processes) {}
+    : platform_(device.platform), device_(device.name), max_processes_(processes) {}
 
 KernelCompilers::~KernelCompilers() {
   {
@@ -82,14 +82,14 @@ struct KernelCompilers::Listed {
 
 void KernelCompilers::want(LaunchCode code) {
   const std::lock_guard lock(mutex_);
-  if (most_processes_ == 0 || !wanted_.insert(code.id).second) return;
-  if (serving_ < std::min(most_processes_, unfinished_.size() + 1)) {
+  if (max_processes_ == 0 || !wanted_.insert(code.id).second) return;
+  if (serving_ < std::min(max_processes_, unfinished_.size() + 1)) {
     try {
       threads_.emplace_back([this] { serve(); });
       ++serving_;
     } catch (const std::exception& error) {
       log_debug("no more processes for compiling kernels: {}", error.what());
-      most_processes_ = serving_;
+      max_processes_ = serving_;
     }
   }
   if (serving_ == 0) return;
@@ -122,7 +122,7 @@ void KernelCompilers::serve() {
   --serving_;
   if (!problem.empty()) {
     log_debug("a process that compiles kernels is of no use: {}", problem);
-    --most_processes_;
+    --max_processes_;
   }
   changed_.notify_all();
 }
@@ -158,7 +158,7 @@ std::unique_ptr<KernelCompilers> make_kernel_compilers(const DeviceInfo& device,
   const bool shares = driver_folder() && !(kept && std::string(kept) == "0");
   const bool useful = device.is_pocl && device.type == DeviceType::cpu && shares && processors > 1;
   if (!useful || compiler_program().empty()) return nullptr;
-  const size_t possible = std::min({processors, most_useful, available_host_memory() / bytes_of_one});
+  const size_t possible = std::min({processors, max_useful, available_host_memory() / bytes_of_one});
   return possible > 0 ? std::make_unique<KernelCompilers>(device, possible) : nullptr;
 }
 

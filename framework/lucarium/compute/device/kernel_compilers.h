@@ -55,7 +55,7 @@ class KernelCompilers {
   std::string platform_, device_;
   std::mutex mutex_;  // of all below
   std::condition_variable changed_;
-  size_t most_processes_;
+  size_t max_processes_;
   std::vector<LaunchCode> waiting_;
   std::set<std::string> wanted_, unfinished_;
   std::string awaited_;  // the id that somebody waits for
