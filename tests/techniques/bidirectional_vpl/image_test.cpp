@@ -54,7 +54,7 @@ TEST_CASE("camera paths connected to all virtual lights, or to those of their bu
   // All pixels share few light paths: see above.
   const Picture picture = path_picture(3);
   const Scene scene = load_scene("builtin:cornell-glossy");
-  check_agreement("all", scene, picture, {{"vpl_choice", "all"}}, {}, 2 * kSeeds);
+  check_agreement("all", scene, picture, {{"vpl_choice", "all"}}, {}, 3 * kSeeds);
   check_agreement("pairs", scene, picture, {{"vpl_choice", "pair"}, {"directions", "bundle"}, {"light_vertices", "2"}},
                   {}, 2 * kSeeds);
 }
