@@ -95,6 +95,33 @@ TEST_CASE("in a closed room every scattering leaves the albedo's share of the la
   CHECK(reflected[0] == test::relative(0.5 * diffuse[0], 1e-5));
 }
 
+TEST_CASE("many light paths, which are traced in batches, are all different and the same as of few") {
+  Scene scene = empty_scene();
+  add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, lambert(0.5f)));
+  add_light(scene, LightType::point, 2, {0.3f, 0.2f, -0.4f}, {0, -1, 0});
+  Rig rig(std::move(scene));
+  const uint32_t many = 40003, few = 5003, batch = 1 << 14;
+  const std::vector<VirtualLight> all = rig.trace({.paths = many, .vertices = 2}),
+                                  first = rig.trace({.paths = few, .vertices = 2});
+  for (uint32_t number = 0; number < 2; ++number) {
+    CAPTURE(number);
+    int same = 0, repeated = 0, absent = 0;
+    for (uint32_t i = 0; i < many; ++i) {
+      const VirtualLight& light = all[number * many + i];
+      const auto lies_at = [&](const VirtualLight& other) {
+        return light.position.x == other.position.x && light.position.y == other.position.y &&
+               light.position.z == other.position.z;
+      };
+      if (i < few) same += lies_at(first[number * few + i]);
+      if (i >= batch) repeated += lies_at(all[number * many + i - batch]);
+      absent += light.flux.y <= 0.0f;
+    }
+    CHECK(same == static_cast<int>(few));
+    CHECK(repeated == 0);
+    CHECK(absent == 0);
+  }
+}
+
 TEST_CASE("light leaves a ball of glass with what absorption and Fresnel leave, and none of it from a point light") {
   // A lamp of radius .005 in the middle of a ball of radius 1/2, ior 1.5: light meets the glass at right angles, and
   // (1 - F) exp(-sigma r) of it leaves at once. What would be counted twice or not at all (eta^2 = 2.25, F, sigma)

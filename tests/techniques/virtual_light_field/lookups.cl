@@ -35,7 +35,7 @@ __kernel void look_up_directions_by_eight(uint count, FieldInfo info, __global c
                                           __global float* restrict weights) {
   const uint first = 8u * get_global_id(0);
   if (first + 8u > count) return;
-  Float3s all;
+  Vectors8 all;
   all.x = MEMBER_OF_EIGHT(float8, directions, first, x);
   all.y = MEMBER_OF_EIGHT(float8, directions, first, y);
   all.z = MEMBER_OF_EIGHT(float8, directions, first, z);
@@ -61,7 +61,7 @@ __kernel void look_up_cells_by_eight(uint count, __global const FieldMap* restri
   line.omega = line.row_w = (float4)(0.0f);
   line.row_x = (float4)(1.0f, 0.0f, 0.0f, 0.0f);
   line.row_y = (float4)(0.0f, 1.0f, 0.0f, 0.0f);
-  Float3s position;
+  Vectors8 position;
   position.x = MEMBER_OF_EIGHT(float8, points, first, x);
   position.y = MEMBER_OF_EIGHT(float8, points, first, y);
   position.z = (float8)(0.0f);

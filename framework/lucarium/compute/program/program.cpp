@@ -142,7 +142,8 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
   Hash128 key;
   std::string driver_program;        // see driver_files.h; empty where there is none to keep
   std::set<std::string> kept_files;  // of the driver, in the cache entry
-  ProgramSource source;              // where others can compile launch code
+  std::string source_text;           // until it is written; where others can compile launch code
+  ProgramSource source;
 
   /// The programs that are ready.
   struct Registry {
@@ -275,8 +276,10 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
     const std::lock_guard lock(State::registry().mutex);
     State::registry().states.insert(state_.get());
   }
-  if (device.kernel_compilers() && !state_->driver_program.empty())
-    state_->source = {write_source(state_->key, source), build_options(spec)};
+  if (device.kernel_compilers() && !state_->driver_program.empty()) {
+    state_->source_text = source;
+    state_->source.options = build_options(spec);
+  }
   state_->build_seconds = watch.seconds();
   device.add_program_seconds(state_->build_seconds);
   all_processor_seconds += processor_seconds() - before;
@@ -303,9 +306,14 @@ void cache_specialized_kernels(const Device& device) noexcept {
 const std::string& Program::name() const { return state_->name; }
 Device& Program::device() const { return *state_->device; }
 cl_program Program::handle() const { return state_->program.get(); }
-const ProgramSource& Program::source() const { return state_->source; }
-bool Program::has_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const {
-  return lucarium::has_launch_code(state_->driver_program, kernel, local, is_large);
+bool Program::lacks_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const {
+  const bool possible = !state_->source.options.empty();
+  return possible && !has_launch_code(state_->driver_program, kernel, local, is_large);
+}
+const ProgramSource& Program::source() const {
+  if (state_->source.file.empty()) state_->source.file = write_source(state_->key, state_->source_text);
+  state_->source_text = {};
+  return state_->source;
 }
 bool Program::from_cache() const { return state_->from_cache; }
 double Program::build_seconds() const { return state_->build_seconds; }

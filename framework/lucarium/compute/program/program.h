@@ -27,7 +27,7 @@ struct ProgramSpec {
 
 /// A program as another process can build it.
 struct ProgramSource {
-  std::filesystem::path file;  ///< holds the whole source; empty: there is nothing to compile
+  std::filesystem::path file;  ///< holds the whole source
   std::string options;         ///< of clBuildProgram
 };
 
@@ -45,10 +45,10 @@ class Program {
   cl_program handle() const;
   bool from_cache() const;       ///< whether it came from disk, uncompiled
   double build_seconds() const;  ///< wall time of compiling or loading
-  /// For other processes that compile its launch code; nothing where there are none.
+  /// Whether the driver has no code yet for such launches, which other processes could compile.
+  bool lacks_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const;
+  /// For those processes; the first call writes the file. Only where lacks_launch_code().
   const ProgramSource& source() const;
-  /// Whether the driver has code for such launches; only where source() is something.
-  bool has_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const;
   /// Throws Error{device} with the nearest name when the program has no such kernel.
   const KernelSignature& signature(std::string_view kernel) const;
   std::vector<std::string> kernel_names() const;

@@ -51,13 +51,13 @@ std::string launch_code_id(const CompiledStep& step, const std::array<size_t, 3>
 
 void want_launch_code(const RecordedSchedule& recorded, const CompiledStep& step, const BoundArguments& bound) {
   KernelCompilers* compilers = recorded.device->kernel_compilers();
-  const ProgramSource& source = step.program.source();
-  if (!compilers || source.file.empty()) return;
+  if (!compilers) return;
   std::array<size_t, 3> global = step.global;
   if (step.slice_items > 0) global[0] = std::min(global[0], step.slice_items);
   for (size_t& items : global) items = std::max<size_t>(items, 1);
   const auto want = [&](const std::array<size_t, 3>& size) {
-    if (step.program.has_launch_code(step.kernel_name, step.local, is_large(size))) return;
+    if (!step.program.lacks_launch_code(step.kernel_name, step.local, is_large(size))) return;
+    const ProgramSource& source = step.program.source();
     compilers->want({launch_code_id(step, size), source.file, source.options, step.kernel_name, size, step.local,
                      arguments_of(recorded, bound)});
   };
