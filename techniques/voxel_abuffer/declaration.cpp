@@ -20,7 +20,10 @@ namespace lucarium::abuffer {
 namespace {
 
 constexpr double max_bias = 0.5;
-constexpr uint32_t small_voxel = 8;  // pixels along an edge
+
+GridSize grid_of(const AbufferParameters& parameters) {
+  return choose_grid_size(static_cast<uint32_t>(parameters.abuffer_size), static_cast<uint32_t>(parameters.grid_size));
+}
 
 }  // namespace
 
@@ -54,13 +57,7 @@ double admitted_bias(const AbufferParameters& parameters, double declared) {
   const bool parity = parameters.intersect != Intersect::plane;
   const bool refined = parity && parameters.attributes == Attributes::triangle && parameters.conservative_voxels;
   const double pixel = 1280.0 / parameters.abuffer_size;
-  // What lies between two points along the ray is not found: in small voxels a band as wide as that of hits that are
-  // not moved into their triangles.
-  const auto size = static_cast<uint32_t>(parameters.abuffer_size);
-  const GridSize grid = choose_grid_size(size, static_cast<uint32_t>(parameters.grid_size));
-  const bool small = grid.pixels < small_voxel * grid.voxels;
-  const bool between = parameters.intersect == Intersect::parity && parameters.search != Search::columns && small;
-  const double pixels = refined && !between ? 0.2 : 0.45;
+  const double pixels = refined ? 0.2 : 0.45;
   return std::min(max_bias, declared * std::max(1.0, pixels * pixel));
 }
 
@@ -88,6 +85,10 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
   if (parameters.structure == Structure::abuffer &&
       (parameters.intersect == Intersect::parity || parameters.intersect == Intersect::automatic))
     list.push_back("search by parity: surfaces are a pixel off along their edges (intersect)");
+  if (parameters.structure == Structure::abuffer && parameters.search != Search::columns &&
+      (parameters.intersect == Intersect::parity || parameters.intersect == Intersect::automatic) &&
+      !searches_points(grid_of(parameters)))
+    list.push_back("search by parity visits all columns: voxels are too small for points along the ray (grid_size)");
   if (parameters.structure == Structure::abuffer && !parameters.conservative_voxels)
     list.push_back("rays pass surfaces in voxels that hold none of their fragments (conservative_voxels)");
   if (parameters.structure == Structure::voxel || parameters.structure == Structure::octree)

@@ -14,6 +14,7 @@ namespace {
 constexpr float margin = 2;          // pixels on each side
 constexpr float rounding = 2.4e-7f;  // four units of a float's last place
 constexpr uint32_t max_exact = 256;  // voxels for exact search: their words grow with the cube
+constexpr uint32_t min_edge = 8;     // pixels along an edge of a voxel that is searched at points
 
 uint32_t component(const uint4& v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
 
@@ -35,6 +36,8 @@ GridSize choose_grid_size(uint32_t pixels, uint32_t voxels, bool exact) {
   const uint32_t edge = std::min((pixels + voxels - 1) / voxels, LAYERED_MAX_EDGE / voxels);
   return {edge * voxels, voxels};
 }
+
+bool searches_points(const GridSize& size) { return size.pixels >= min_edge * size.voxels; }
 
 AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles, float min_pixel) {
   const glm::vec3 low = bounds.empty() ? glm::vec3(0) : bounds.min, high = bounds.empty() ? glm::vec3(0) : bounds.max;

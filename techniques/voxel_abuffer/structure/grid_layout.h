@@ -20,6 +20,11 @@ struct GridSize {
 /// `abuffer_size` and `grid_size` where N > n, or voxels have more pixels than ABUFFER_MAX_VOXEL_EDGE.
 GridSize choose_grid_size(uint32_t pixels, uint32_t voxels, bool exact = false);
 
+/// Whether voxels are large enough to be searched at points along the ray: from 8 pixels along an edge. In smaller ones
+/// all columns are visited, whatever is asked for: what lies between two points, which are a pixel apart there, would
+/// be lost, and columns cost no more.
+bool searches_points(const GridSize& size);
+
 /// The grid around a scene's bounds: cubic voxels, N along the longest side and in proportion along the others, at
 /// least two pixels of margin on every side. Flat, empty and far scenes get one with edges well above rounding errors.
 /// `min_pixel`: no pixel is smaller [m]; the grid has fewer then.

@@ -220,7 +220,8 @@ void VoxelAbuffer::State::compile() {
   if (exact && grid.voxels.w == ABUFFER_CELLS) defines["ABUFFER_CELLS_ARE_PIXELS"] = "";
   if (parity) {
     defines["ABUFFER_WITH_PARITY"] = "";
-    defines["ABUFFER_STEPS"] = options.search == Search::columns ? "0" : options.search == Search::one_step ? "1" : "3";
+    const bool points = options.search != Search::columns && searches_points(size);
+    defines["ABUFFER_STEPS"] = !points ? "0" : options.search == Search::one_step ? "1" : "3";
     if (options.intersect == Intersect::plane) defines["ABUFFER_PLANES"] = "";
     if (options.intersect == Intersect::parity && classes.open_components > 0) defines["ABUFFER_OPEN_MESHES"] = "";
     if (options.attributes != Attributes::triangle) defines["ABUFFER_UNREFINED"] = "";

@@ -116,6 +116,26 @@ TEST_CASE("work: bisection steps are those asked for, and any-hit rays need none
   }
 }
 
+TEST_CASE("work: voxels below eight pixels are searched by all columns") {
+  AbufferRig rig(scene_of(box({-1, -1, -0.4f}, {1, 1, 0})));
+  const std::vector<Ray> rays = rays_across(3000);
+  for (const uint32_t voxels : {32u, 37u}) {
+    CAPTURE(voxels);
+    const auto work = [&](Search search) {
+      const VoxelAbuffer structure =
+          rig.make({.abuffer_size = 256, .grid_size = voxels, .search = search, .count_work = true});
+      rig.trace(structure, rays);
+      return structure.work();
+    };
+    const AbufferWork columns = work(Search::columns);
+    for (const Search search : {Search::three_steps, Search::one_step}) {
+      const AbufferWork points = work(search);
+      CHECK((points.bisection_steps > 0) == (voxels == 32));
+      CHECK((points.column_steps == columns.column_steps) == (voxels == 37));
+    }
+  }
+}
+
 TEST_CASE("work: starts are ambiguous on a plate thinner than a pixel, not on a thick one") {
   for (const float thickness : {0.004f, 0.5f}) {  // a pixel is 0.008 m
     CAPTURE(thickness);
