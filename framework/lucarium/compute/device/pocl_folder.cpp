@@ -10,6 +10,7 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <ctime>
 #include <optional>
 
 #include "lucarium/base/error.h"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr std::string_view name_prefix = "lucarium-driver-";
 constexpr const char* lock_name = "in_use";
+constexpr time_t set_up_seconds = 86400;  // far more than it takes from the folder's creation to its lock
 constexpr uintmax_t roomy_bytes = uintmax_t{256} << 20;
 
 std::string reason(int code) { return std::generic_category().message(code); }
@@ -50,7 +52,7 @@ bool is_roomy(const fs::path& folder) {
 
 std::string owned_prefix() { return fmt::format("{}{}-", name_prefix, getuid()); }
 
-/// Removes folders of processes that were killed: their lock is free.
+/// Removes folders of processes that were killed: their lock is free, or was never given its name.
 void remove_abandoned(const fs::path& place) {
   std::error_code failure;
   for (fs::directory_iterator entry(place, failure), end; !failure && entry != end; entry.increment(failure)) {
@@ -58,12 +60,13 @@ void remove_abandoned(const fs::path& place) {
     if (!entry->path().filename().string().starts_with(owned_prefix())) continue;
     if (lstat(entry->path().c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != getuid()) continue;
     const int lock = open((entry->path() / lock_name).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (lock < 0) continue;  // being set up
-    if (flock(lock, LOCK_EX | LOCK_NB) == 0) {
+    const bool is_abandoned = lock >= 0 ? flock(lock, LOCK_EX | LOCK_NB) == 0
+                                        : errno == ENOENT && time(nullptr) - status.st_mtime > set_up_seconds;
+    if (is_abandoned) {
       std::error_code ignored;
       fs::remove_all(entry->path(), ignored);
     }
-    close(lock);
+    if (lock >= 0) close(lock);
   }
 }
 

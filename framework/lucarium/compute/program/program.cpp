@@ -16,6 +16,7 @@
 #include "lucarium/compute/device/cl_handle.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"
+#include "lucarium/compute/program/built_ins.h"
 #include "lucarium/compute/program/kernel_reflection.h"
 #include "lucarium/compute/program/line_names.h"
 #include "lucarium/compute/program/pocl_files.h"
@@ -53,8 +54,21 @@ std::optional<Hash128> request_of(const SourceLibrary& library, const ProgramSpe
   return hasher.finish();
 }
 
+/// A whole program as it is given to the driver.
+struct ProgramText {
+  std::string source, options;
+};
+
 std::string build_options(const ProgramSpec& spec) {
   return std::string("-cl-std=CL1.2 -cl-kernel-arg-info") + (spec.mad_enable ? " -cl-mad-enable" : "");
+}
+
+/// The same program in the way in which the driver builds it faster; none where there is no such way.
+std::optional<ProgramText> faster_text(const Device& device, const ProgramText& text) {
+  if (!can_declare_built_ins(device.info())) return std::nullopt;
+  const std::optional<std::string> declarations = declare_built_ins(text.source);
+  if (!declarations) return std::nullopt;
+  return ProgramText{*declarations + text.source, text.options + without_built_ins};
 }
 
 /// What the compiler said of `source`.
@@ -82,16 +96,16 @@ std::string first_error(const std::string& log) {
   return fallback.empty() ? "the driver gives no reason" : fallback;
 }
 
-void build(cl_program program, const Device& device, const ProgramSpec& spec, const std::string& source) {
+void build(cl_program program, const Device& device, const ProgramSpec& spec, const ProgramText& text) {
   const cl_device_id id = device.id();
-  const cl_int code = clBuildProgram(program, 1, &id, build_options(spec).c_str(), nullptr, nullptr);
+  const cl_int code = clBuildProgram(program, 1, &id, text.options.c_str(), nullptr, nullptr);
   if (code == CL_BUILD_PROGRAM_FAILURE) {
-    const std::string log = build_log(program, device, source);
+    const std::string log = build_log(program, device, text.source);
     throw Error(ErrorClass::device, fmt::format("program {} does not compile: {}", spec.name, first_error(log)))
         .with_details(fmt::format("build log of {} on {}:\n{}", spec.name, device.info().name, log));
   }
   check_opencl(code, "clBuildProgram", "program " + spec.name, device);
-  const std::string log = build_log(program, device, source);
+  const std::string log = build_log(program, device, text.source);
   if (log.find("warning:") != std::string::npos) log_debug("program {}: {}", spec.name, log);
 }
 
@@ -138,11 +152,11 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
   bool from_cache = false;
   double build_seconds = 0;
 
-  std::optional<Hash128> request;  // of sources and specification; none where sources may change
-  Hash128 key;
+  std::optional<Hash128> request;    // of sources and specification; none where sources may change
+  ProgramText text;                  // until it is made; where others can compile launch code, until it is written
+  Hash128 key;                       // of the text
   std::string driver_program;        // see driver_files.h; empty where there is none to keep
   std::set<std::string> kept_files;  // of the driver, in the cache entry
-  std::string source_text;           // until it is written; where others can compile launch code
   ProgramSource source;
 
   /// The programs that are ready.
@@ -177,15 +191,44 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
 
   bool has_driver_files() const { return device->info().is_pocl && driver_folder() != nullptr; }
 
+  /// Compiles it or takes it from the cache. What does not compile in the faster way is compiled as it is, and the
+  /// driver's messages are of that.
+  void make(const ProgramSpec& spec, const ProgramText& whole) {
+    const std::optional<ProgramText> faster = faster_text(*device, whole);
+    from_cache = (faster && load_text(spec, *faster)) || load_text(spec, whole);
+    if (from_cache) return;
+    device->compile_progress().build(spec.name);
+    if (faster) {
+      try {
+        use(*faster);
+        return compile(spec);
+      } catch (const std::exception& error) {
+        log_debug("program {}: compiled with the driver's own declarations: {}", spec.name, error.what());
+      }
+    }
+    use(whole);
+    compile(spec);
+  }
+
+  void use(const ProgramText& given) {
+    text = given;
+    key = device->program_cache().key(text.source, text.options);
+  }
+
+  bool load_text(const ProgramSpec& spec, const ProgramText& given) {
+    use(given);
+    return load(spec);
+  }
+
   /// Whether a whole entry was found and the driver took it.
-  bool load(const ProgramSpec& spec, const std::string& source) {
+  bool load(const ProgramSpec& spec) {
     const std::optional<CachedProgram> entry = device->program_cache().load(key);
     if (!entry) return false;
     try {
       if (has_driver_files()) restore_driver_files(key, *entry);
-      program = entry->binary.empty() ? create_from_source(*device, spec, source)
+      program = entry->binary.empty() ? create_from_source(*device, spec, text.source)
                                       : create_from_binary(*device, spec, entry->binary);
-      build(program.get(), *device, spec, source);
+      build(program.get(), *device, spec, text);
     } catch (const std::exception& error) {
       log_debug("program cache: {} is rebuilt: {}", spec.name, error.what());
       program = ClProgram();
@@ -198,12 +241,12 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
     return true;
   }
 
-  void compile(const ProgramSpec& spec, const std::string& source) {
-    program = create_from_source(*device, spec, source);
+  void compile(const ProgramSpec& spec) {
+    program = create_from_source(*device, spec, text.source);
     if (has_driver_files()) {
-      driver_program = program_made_by(key, [&] { build(program.get(), *device, spec, source); });
+      driver_program = program_made_by(key, [&] { build(program.get(), *device, spec, text); });
     } else {
-      build(program.get(), *device, spec, source);
+      build(program.get(), *device, spec, text);
     }
     CachedProgram entry;
     entry.signatures = reflect_kernels(*device, program.get(), spec.name);
@@ -265,21 +308,13 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   state_->device = device.shared_from_this();
   state_->name = spec.name;
   state_->request = request;
-  const std::string source = preamble(spec) + library.preprocess(spec.files);
-  state_->key = device.program_cache().key(source, build_options(spec));
-  state_->from_cache = state_->load(spec, source);
-  if (!state_->from_cache) {
-    device.compile_progress().build(spec.name);
-    state_->compile(spec, source);
-  }
+  state_->make(spec, {preamble(spec) + library.preprocess(spec.files), build_options(spec)});
   {
     const std::lock_guard lock(State::registry().mutex);
     State::registry().states.insert(state_.get());
   }
-  if (device.kernel_compilers() && !state_->driver_program.empty()) {
-    state_->source_text = source;
-    state_->source.options = build_options(spec);
-  }
+  if (device.kernel_compilers() && !state_->driver_program.empty()) state_->source.options = state_->text.options;
+  if (state_->source.options.empty()) state_->text = {};
   state_->build_seconds = watch.seconds();
   device.add_program_seconds(state_->build_seconds);
   all_processor_seconds += processor_seconds() - before;
@@ -311,8 +346,8 @@ bool Program::lacks_launch_code(const std::string& kernel, const std::array<size
   return possible && !has_launch_code(state_->driver_program, kernel, local, is_large);
 }
 const ProgramSource& Program::source() const {
-  if (state_->source.file.empty()) state_->source.file = write_source(state_->key, state_->source_text);
-  state_->source_text = {};
+  if (state_->source.file.empty()) state_->source.file = write_source(state_->key, state_->text.source);
+  state_->text = {};
   return state_->source;
 }
 bool Program::from_cache() const { return state_->from_cache; }

@@ -4,7 +4,9 @@
 #include <CL/cl_ext.h>
 #include <doctest/doctest.h>
 #include <signal.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <set>
@@ -172,4 +174,22 @@ TEST_CASE("the folder of a killed process is removed by the next one") {
   REQUIRE(has(abandoned.string(), "lucarium-driver-"));
   CHECK(run_case(open_case).exit_code == 0);
   CHECK(!fs::exists(abandoned));
+}
+
+TEST_CASE("a folder whose lock was never set up is removed when it is old") {
+  if (!test_device()->info().is_pocl) return skip("PoCL");
+  const ProgramResult first = run_case(open_case);
+  const fs::path place = fs::path(folder_in(first.out)).parent_path();
+  const auto folder_of_age = [&](const char* name, std::chrono::hours age) {
+    const fs::path folder = place / fmt::format("lucarium-driver-{}-{}", getuid(), name);
+    fs::create_directories(folder);
+    fs::last_write_time(folder, fs::file_time_type::clock::now() - age);
+    return folder;
+  };
+  const fs::path old_one = folder_of_age("old_test", std::chrono::hours(50));
+  const fs::path new_one = folder_of_age("new_test", std::chrono::hours(1));
+  CHECK(run_case(open_case).exit_code == 0);
+  CHECK(!fs::exists(old_one));
+  CHECK(fs::exists(new_one));
+  fs::remove(new_one);
 }
