@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/session/session.h"
 
-#include <new>
+#include <algorithm>
+#include <functional>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
@@ -15,39 +16,19 @@
 #include "lucarium/session/memory_needs.h"
 #include "lucarium/session/saved_state.h"
 #include "lucarium/session/scene_on_device.h"
+#include "lucarium/session/technique_calls.h"
 #include "lucarium/version.h"
 
 namespace lucarium {
 namespace {
 
-/// Calls into a technique: whatever it throws leaves as lucarium::Error with its name before the message.
-template <class Call>
-auto call_technique(const TechniqueInfo& info, Call&& call) {
-  try {
-    return call();
-  } catch (const Error& error) {
-    throw error.with_context(info.name);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw_error(ErrorClass::technique, "{}: {}", info.name, error.what());
-  }
+constexpr uint32_t kUnseenEdge = 16;  // of images that nobody sees [pixels]
+
+RenderSettings at_most(RenderSettings settings, uint32_t edge) {
+  settings.width = std::min(settings.width, edge);
+  settings.height = std::min(settings.height, edge);
+  return settings;
 }
-
-/// While it lives, reports to on_preparing which of the device's kernels is being compiled.
-class ReportCompilation {
- public:
-  ReportCompilation(Device& device, const RenderSession::OnPreparing& on_preparing) : device_(device) {
-    on_preparing(-1, "kernels");
-    device_.compile_progress().listen(on_preparing);
-  }
-  ~ReportCompilation() { device_.compile_progress().listen({}); }
-  ReportCompilation(const ReportCompilation&) = delete;
-  ReportCompilation& operator=(const ReportCompilation&) = delete;
-
- private:
-  Device& device_;
-};
 
 }  // namespace
 
@@ -298,16 +279,26 @@ bool RenderSession::run(const RenderBudget& budget, const std::function<bool(con
 bool RenderSession::finish_light(const std::function<void(const IterationResult&)>& on_progress) {
   State& s = *state_;
   if (!s.view_independent() || s.light_done) return false;
-  while (!s.light_done && !s.last.converged) {
-    if (interrupt_requested()) return true;
+  const auto restart = [&](const std::function<void()>& change) {
+    const Clocks spent = s.clocks;
+    call_technique(s.type.info(), change);
+    const double restarting = s.clocks.prepare;
+    s.clocks = spent;
+    s.clocks.iterate += restarting;
+  };
+  // No sample of pixels is kept: where the image can be small meanwhile, they cost little.
+  const RenderSettings whole = s.settings;
+  const bool resizes = s.type.info().capabilities.resizes;
+  if (resizes) restart([&] { s.look(at_most(whole, kUnseenEdge)); });
+  bool interrupted = false;
+  while (!s.light_done && !s.last.converged && !(interrupted = interrupt_requested())) {
     iterate();
     if (on_progress) on_progress(s.last);
   }
-  const Clocks spent = s.clocks;
-  call_technique(s.type.info(), [&] { s.apply({}); });
-  const double restarting = s.clocks.prepare;
-  s.clocks = spent;
-  s.clocks.light = spent.iterate + restarting;
+  if (resizes) restart([&] { s.look(whole); });
+  if (interrupted) return true;
+  if (!resizes) restart([&] { s.apply({}); });
+  s.clocks.light = s.clocks.iterate;
   s.clocks.iterate = s.clocks.iterate_processor = 0;
   return false;
 }

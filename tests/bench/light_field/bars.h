@@ -11,7 +11,7 @@ struct Sizes {
   int rounds = 5;
   uint32_t width = 256;      ///< of square pictures
   int dir_n = 6;             ///< of fields whose error does not matter
-  uint32_t reference = 256;  ///< samples of each of two references
+  uint32_t reference = 256;  ///< samples of each of three references
   uint32_t subfield = 512;   ///< pixels along an edge, of the sweeps beside rays
 };
 

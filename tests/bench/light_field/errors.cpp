@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Time to an error beside path_tracing. Its error after one sample is the difference of two independent pictures, and
 // falls as 1 / samples; so its time to any error is known without waiting for it. The field's error is measured against
-// both pictures, whose own noise cancels: <(x - a)(x - b)> is that of x alone.
-#include <algorithm>
+// both pictures, whose own noise cancels: <(x - a)(x - b)> is that of x alone. That is so only where what it is divided
+// by is independent of both, too: it is of a third picture.
+#include <array>
 #include <cmath>
 
 #include "rendering.h"
@@ -16,33 +17,47 @@ constexpr uint32_t kWalk = 48;        // frames
 
 using Picture = std::vector<float>;
 
-/// Mean of (x - a)(y - b) / (r^2 + .01 mean(r)^2), r = (a + b) / 2: metrics.h's relMSE where x = y and a = b.
-double relative(const Picture& x, const Picture& y, const Picture& a, const Picture& b) {
+/// Mean of (x - a)(y - b) / (r^2 + .01 mean(r)^2): metrics.h's relMSE where x = y and a = b = r.
+double relative(const Picture& x, const Picture& y, const Picture& a, const Picture& b, const Picture& r) {
   double mean = 0, sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) mean += 0.5 * (static_cast<double>(a[i]) + static_cast<double>(b[i]));
-  mean /= static_cast<double>(a.size());
-  for (size_t i = 0; i < a.size(); ++i) {
-    const auto va = static_cast<double>(a[i]), vb = static_cast<double>(b[i]), r = 0.5 * (va + vb);
-    sum += (static_cast<double>(x[i]) - va) * (static_cast<double>(y[i]) - vb) / (r * r + 0.01 * mean * mean);
+  for (const float value : r) mean += static_cast<double>(value);
+  mean /= static_cast<double>(r.size());
+  for (size_t i = 0; i < r.size(); ++i) {
+    const auto va = static_cast<double>(a[i]), vb = static_cast<double>(b[i]), vr = static_cast<double>(r[i]);
+    sum += (static_cast<double>(x[i]) - va) * (static_cast<double>(y[i]) - vb) / (vr * vr + 0.01 * mean * mean);
   }
-  return sum / static_cast<double>(a.size());
+  return sum / static_cast<double>(r.size());
 }
 
+constexpr size_t kPictures = 3;
+
 struct Traced {
-  Picture a, b;
+  std::array<Picture, kPictures> pictures;
   double seconds_per_sample = 0, relmse_of_sample = 0;
   double seconds_to(double relmse) const { return relmse_of_sample / relmse * seconds_per_sample; }
 };
 
+/// Mean over which of three pictures divides, of value(a, b, r).
+template <class Value>
+double mean_over_roles(const std::array<Picture, kPictures>& of, Value&& value) {
+  double sum = 0;
+  for (size_t i = 0; i < kPictures; ++i)
+    sum += value(of[i], of[(i + 1) % kPictures], of[(i + 2) % kPictures]) / kPictures;
+  return sum;
+}
+
 Traced trace(const Scene& scene, const Sizes& sizes) {
   Traced result;
-  for (Picture* picture : {&result.a, &result.b}) {
-    const auto session = make_session("path_tracing", scene, sizes.width, {}, -1, picture == &result.a ? 11 : 12);
+  for (size_t i = 0; i < kPictures; ++i) {
+    const auto session = make_session("path_tracing", scene, sizes.width, {}, -1, 11 + i);
     session->run({.samples = sizes.reference});
-    *picture = session->resolve().image();
-    result.seconds_per_sample += session->clocks().iterate / sizes.reference / 2;
+    result.pictures[i] = session->resolve().image();
+    result.seconds_per_sample += session->clocks().iterate / sizes.reference / kPictures;
   }
-  result.relmse_of_sample = sizes.reference * relative(result.a, result.b, result.b, result.a) / -2;
+  result.relmse_of_sample =
+      sizes.reference * mean_over_roles(result.pictures, [](const Picture& a, const Picture& b, const Picture& r) {
+        return relative(a, b, b, a, r) / -2;
+      });
   return result;
 }
 
@@ -60,7 +75,9 @@ Reached propagate(const Scene& scene, const Sizes& sizes, const Traced& traced) 
   for (uint32_t samples = 1; samples <= kMaxSamples; samples *= 2) {
     session->run({.samples = samples});
     const Picture x = session->resolve().image();
-    result.relmse = relative(x, x, traced.a, traced.b);
+    result.relmse = mean_over_roles(traced.pictures, [&x](const Picture& a, const Picture& b, const Picture& r) {
+      return relative(x, x, a, b, r);
+    });
     result.seconds = session->clocks().iterate;
     result.samples = samples;
     if (result.relmse <= kError) break;

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   app.add_option("--dir-n", sizes.dir_n, "dir_n of fields whose error is not measured")
       ->check(CLI::Range(2, 64))
       ->capture_default_str();
-  app.add_option("--reference", sizes.reference, "samples of each of the two references")
+  app.add_option("--reference", sizes.reference, "samples of each of the three references")
       ->check(CLI::Range(2, 1 << 20))
       ->capture_default_str();
   app.add_option("--subfield", sizes.subfield, "edge of subfields beside rays [pixels]")
