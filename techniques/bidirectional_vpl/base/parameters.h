@@ -77,7 +77,7 @@ struct BidirectionalParameters {
            "behind mirrors and glass let camera paths go where light paths have come from through others, to find "
            "what these show of caustics");
     v.number("camera_edges", camera_edges, 1, kMaxCameraEdges, "scatterings",
-             "scatterings of a camera path before roulette, which then ends half of the paths at each one");
+             "scatterings of a camera path before roulette by what it carries");
     v.choice("directions", directions,
              {{"bsdf", Directions::bsdf}, {"bundle", Directions::bundle}, {"both", Directions::both}},
              "directions of camera paths: by BSDF samples, from a set that all pixels share (bundle), or in turn at "

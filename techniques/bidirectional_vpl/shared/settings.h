@@ -23,7 +23,7 @@ uint flags;                // BIDIRECTIONAL_*
 uint pixels;               // camera paths of an iteration, one to a pixel
 uint light_paths;          // of an iteration
 uint max_scatterings;      // counted, of a whole path
-uint camera_edges;         // scatterings of a camera path before half of them end
+uint camera_edges;         // scatterings of a camera path before roulette
 uint candidates;           // virtual lights that are compared for one connection
 float hit_samples;         // n of strategy -1
 float light_samples;       // n of strategy 0

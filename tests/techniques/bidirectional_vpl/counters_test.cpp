@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What bidirectional_vpl counts: rays by kind, candidates, splats, and paths that end at a limit.
+#include <cmath>
+
 #include "bidirectional_rig.h"
 #include "made_scene.h"
 
@@ -65,6 +67,24 @@ TEST_CASE("counters of rays: every path of a closed box has the same number") {
   CHECK(found.at("nonfinite") == 0);
   CHECK(found.at("terminated_by_cap") == 0);
   CHECK(found.at("terminated_in_mirrors") == 0);
+}
+
+TEST_CASE("counters of rays: behind camera_edges as many paths go on as surfaces reflect, in the end") {
+  // By the root of what a path carries: sqrt(r) of the paths behind the first surface, which carry sqrt(r) then, and so
+  // r^(k - 1 + 2^-k) of them behind k surfaces.
+  const double r = 0.5, paths = 16 * 16 * 64;
+  const auto found = counters(closed_box(false), small_picture(-1, 64),
+                              {{"light_paths", "64"}, {"camera_edges", "1"}, {"adapt", "off"}});
+  CHECK(found.at("paths") == paths);
+  double rays = 1, squared = 1;
+  for (int k = 1; k < 60; ++k) {
+    const double share = std::pow(r, k - 1 + std::pow(0.5, k));
+    rays += share;
+    squared += (2 * k + 1) * share;
+  }
+  const double error = std::sqrt((squared - rays * rays) / paths);
+  CHECK(std::abs(found.at("camera_rays") / paths - rays) < 4 * error);
+  CHECK(4 * error < 0.02 * rays);
 }
 
 TEST_CASE("counters of light paths: what leaves an open scene is missed") {
