@@ -132,12 +132,7 @@ struct BidirectionalParameters {
              "strategies that are run: all, or one alone, which finds only a part of the paths");
     v.flag("show_strategies", show_strategies, "write a layer of each strategy's light");
     v.presets(
-        {{"bdpt",
-          {{"vpl_choice", "own"},
-           {"light_vertices", "16"},
-           {"camera_edges", "64"},
-           {"guide", "off"},
-           {"adapt", "off"}}},
+        {{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"guide", "off"}, {"adapt", "off"}}},
          {"paper",
           {{"light_vertices", "1"},
            {"light_trace", "rsm"},
