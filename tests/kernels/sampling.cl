@@ -59,12 +59,11 @@ kernel void blocks_of_eight(const uint seed, const uint index, const uint block,
   }
 }
 
-// The same block of eight samplers of one seed at once, and of each alone.
-kernel void blocks_of_one(const uint seed, const uint index, const uint block, global float4* together,
+// The same block of eight sample numbers of one sampler at once, from a multiple of 8 on, and of each alone.
+kernel void blocks_of_run(const uint seed, const uint index, const uint block, global float4* together,
                           global float4* alone) {
-  const uint8 lanes = (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u);
   float8 c[4];
-  sampler_blocks_of_one(seed, index + lanes, block, c);
+  sampler_blocks_of_run(seed, index, block, c);
   float numbers[4][8];
   for (uint k = 0u; k < 4u; ++k) vstore8(c[k], 0, numbers[k]);
   for (uint k = 0u; k < 8u; ++k) {

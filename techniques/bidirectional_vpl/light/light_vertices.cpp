@@ -16,6 +16,8 @@ namespace {
 const char* const kRemedy = "lower --size or light_vertices, or set fewer light_paths";
 constexpr size_t kSlice = 1 << 16;
 constexpr uint32_t kCountChunk = 1 << 14;
+// Light vertices that do not stay in a processor's caches until they are read.
+constexpr size_t kManyVertices = (16u << 20) / sizeof(PathVertex);
 // As candidates.clh has them.
 constexpr uint32_t kTableArrays = 8, kRepeated = 256;
 
@@ -107,8 +109,11 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
   }
   paths_.record(
       recorder, run_, seed_, store_,
-      [this](PassBuilder& pass) {
-        pass.arg("vertices", vertices_).arg("vertices_per_path", plan_.light_vertices).arg("path_lights", path_lights_);
+      [this, slots](PassBuilder& pass) {
+        pass.arg("vertices", vertices_)
+            .arg("vertices_per_path", plan_.light_vertices)
+            .arg("streamed", slots > kManyVertices ? 1u : 0u)
+            .arg("path_lights", path_lights_);
         pass.arg_if_present("vertex_densities", densities_);
       },
       [this](PassBuilder& pass) { pass.arg("shares", light_shares_); }, first_hits_);

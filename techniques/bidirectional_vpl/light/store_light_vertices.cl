@@ -9,8 +9,8 @@
 #include "bidirectional_vpl/base/gloss.clh"
 #define LIGHT_VERTEX_PARAMETERS                                                                           \
   __global PathVertex *restrict vertices, GLOSS_PARAMETER(vertex_densities) const uint vertices_per_path, \
-      __global uint *restrict path_lights,
-#define LIGHT_VERTEX_ARGUMENTS vertices, GLOSS_ARGUMENT(vertex_densities) vertices_per_path, path_lights,
+      const uint streamed, __global uint *restrict path_lights,
+#define LIGHT_VERTEX_ARGUMENTS vertices, GLOSS_ARGUMENT(vertex_densities) vertices_per_path, streamed, path_lights,
 #define LIGHT_EMISSION_PARAMETERS __global const float* restrict shares,
 #define LIGHT_EMISSION_ARGUMENTS shares,
 #ifdef LEARNED_LIGHTS
@@ -23,7 +23,7 @@
 #include "lucarium/services/light_paths/light_paths.clh"
 
 // path_lights[i]: the light of path i, where it has a vertex. Vertex k (from 1) of path i is vertices[i *
-// vertices_per_path + k - 1].
+// vertices_per_path + k - 1]. streamed: 1 where all of them are too many for the caches.
 void take_light_vertex(const Scene* scene, LIGHT_VERTEX_PARAMETERS const LightVertex* vertex) {
   const uint number = vertex->number + 1u;
   path_lights[vertex->path] = vertex->light;
@@ -53,26 +53,33 @@ LUCARIUM_JOIN void take_plain_light_vertices(const Scene* scene,
   uint8 flags = (uint8)((taken->number + 1u) << PATH_VERTEX_NUMBER_SHIFT);
   flags |= as_uint8(s->front) & PATH_VERTEX_FRONT;
   if (taken->number > 0u) flags |= as_uint8(taken->diffused == 0u) & PATH_VERTEX_CAUSTIC;
-  // The slots of paths further on are not in a cache: ask for them before they are written.
-  const __global PathVertex* next = vertices + (size_t)(first + 16u) * vertices_per_path + taken->number;
-#pragma unroll
-  for (uint k = 0u; k < 8u; ++k) {
-    LUCARIUM_PREFETCH(next + k * vertices_per_path);
-    LUCARIUM_PREFETCH((const __global float4*)(next + k * vertices_per_path) + 4);
-  }
   if (together) {
     flags &= as_uint8(lanes_of_bits8(lanes));
     lanes = 255u;
   }
-  store_fields8(rows, row, lanes, s->ray_start.x, s->ray_start.y, s->ray_start.z, taken->mis_fixed);
-  store_fields8(rows + 1, row, lanes, taken->flux.x / met, taken->flux.y / met, taken->flux.z / met,
-                taken->mis_turning);
-  store_fields8(rows + 2, row, lanes, s->n_g.x, s->n_g.y, s->n_g.z, s->alpha);
-  store_fields8(rows + 3, row, lanes, s->n_s.x, s->n_s.y, s->n_s.z, (float8)(1.0f));
-  store_fields8(rows + 4, row, lanes, s->view.x, s->view.y, s->view.z, as_float8(flags));
-  store_fields8(rows + 5, row, lanes, s->diffuse.x, s->diffuse.y, s->diffuse.z, as_float8((uint8)(LUCARIUM_NONE)));
-  store_fields8(rows + 6, row, lanes, none, none, none, as_float8(s->triangle));
-  store_fields8(rows + 7, row, lanes, none, none, none, as_float8(halves_above8(s->ray_offset) << 16));
+  const Fields8 fields[8] = {{s->ray_start.x, s->ray_start.y, s->ray_start.z, taken->mis_fixed},
+                             {taken->flux.x / met, taken->flux.y / met, taken->flux.z / met, taken->mis_turning},
+                             {s->n_g.x, s->n_g.y, s->n_g.z, s->alpha},
+                             {s->n_s.x, s->n_s.y, s->n_s.z, (float8)(1.0f)},
+                             {s->view.x, s->view.y, s->view.z, as_float8(flags)},
+                             {s->diffuse.x, s->diffuse.y, s->diffuse.z, as_float8((uint8)(LUCARIUM_NONE))},
+                             {none, none, none, as_float8(s->triangle)},
+                             {none, none, none, as_float8(halves_above8(s->ray_offset) << 16)}};
+  if (streamed && lanes == 255u) {
+    stream_lines8(rows, row, fields[0], fields[1], fields[2], fields[3]);
+    stream_lines8(rows + 4, row, fields[4], fields[5], fields[6], fields[7]);
+  } else {
+    // The slots of paths further on are not in a cache: ask for them before they are written.
+    const __global PathVertex* next = vertices + (size_t)(first + 16u) * vertices_per_path + taken->number;
+#pragma unroll
+    for (uint k = 0u; k < 8u; ++k) {
+      LUCARIUM_PREFETCH(next + k * vertices_per_path);
+      LUCARIUM_PREFETCH((const __global float4*)(next + k * vertices_per_path) + 4);
+    }
+#pragma unroll
+    for (uint k = 0u; k < 8u; ++k)
+      store_fields8(rows + k, row, lanes, fields[k].x, fields[k].y, fields[k].z, fields[k].w);
+  }
   __global uint* lights = path_lights + first;
   if (lanes == 255u) {
     vstore8(taken->light, 0, lights);

@@ -51,4 +51,9 @@ TEST_CASE("light paths: eight at once at plain surfaces have the bits of one at 
       CHECK(image_of(render(mixed_room(textured), "bidirectional_vpl", picture, parameters)) == plain);
     }
   }
+  // Of so many paths vertices are stored past the caches.
+  picture.iterations = 1;
+  const Parameters many = {{"light_paths", "24003"}, {"light_vertices", "6"}, {"adapt", "off"}};
+  CHECK(image_of(render(mixed_room(7), "bidirectional_vpl", picture, many)) ==
+        image_of(render(mixed_room(0), "bidirectional_vpl", picture, many)));
 }

@@ -100,7 +100,8 @@ class LayeredRaster {
                        const LayeredStoreOptions& options = {}) const;
 
   /// What is seen: the first fragment of every pixel. depth (float; INFINITY: nothing) and triangle (uint, with
-  /// LAYERED_AWAY; LUCARIUM_NONE) hold max_width · max_height elements, row by row of the view's width.
+  /// LAYERED_AWAY; LUCARIUM_NONE) hold max_width · max_height elements, row by row of the view's width; those behind
+  /// its last row stay as they were.
   void record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const BufferRef& depth,
                       const BufferRef& triangle) const;
 

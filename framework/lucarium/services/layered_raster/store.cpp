@@ -200,12 +200,6 @@ void LayeredRaster::State::record_nearest(ScheduleRecorder& recorder, const std:
                                           const BufferRef& depth, const BufferRef& triangle) const {
   const LayeredBins bins = record_bins(recorder, name, view);
   const Program& nearest = consumer("nearest", 1);
-  const uint32_t pixels = options.max_width * options.max_height;
-  recorder.pass(name + ".clear", nearest, "layered_clear_nearest")
-      .global(pixels)
-      .arg("depth", depth)
-      .arg("triangle", triangle)
-      .arg("pixels", pixels);
   record_all_rows(recorder, name + ".nearest", view, bins, nearest, "layered_store_nearest",
                   [&](PassBuilder& pass) { pass.arg("depth", depth).arg("triangle", triangle); });
 }
