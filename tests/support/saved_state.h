@@ -39,6 +39,23 @@ struct SavedLight {
   }
 };
 
+/// Light is finished beside an image of 64 pixels along an edge, and has the bits of light beside the whole one.
+inline void check_light_beside_small_image(const std::string& technique, const Scene& scene, const Options& options) {
+  const SessionStart start = {.width = 96};
+  const auto small = session(technique, scene, start, options), whole = session(technique, scene, start, options);
+  CHECK_THROWS(small->finish_light([](const IterationResult&) { throw Error(ErrorClass::usage, "no more"); }));
+  CHECK(small->settings().width == 96);
+  uint32_t width = 0;
+  small->finish_light([&](const IterationResult&) { width = small->settings().width; });
+  CHECK(width == 64);
+  CHECK(small->settings().width == 96);
+  whole->run({}, [](const IterationResult& now) { return !now.light_done; });
+  whole->set_camera(scene.cameras.front());
+  const std::vector<float> seen = picture(*small);
+  CHECK(mean(seen) > 0);
+  CHECK(seen == picture(*whole));
+}
+
 /// `load` throws an Error of one line that has `part` in it.
 inline void check_refusal(const std::function<void()>& load, ErrorClass error_class, const std::string& part) {
   try {

@@ -22,7 +22,8 @@
 namespace lucarium {
 namespace {
 
-constexpr uint32_t kUnseenEdge = 16;  // of images that nobody sees [pixels]
+// Of images that nobody sees [pixels]: smaller ones cost what their launches do.
+constexpr uint32_t kUnseenEdge = 64;
 
 RenderSettings at_most(RenderSettings settings, uint32_t edge) {
   settings.width = std::min(settings.width, edge);
@@ -282,18 +283,24 @@ bool RenderSession::finish_light(const std::function<void(const IterationResult&
   const auto restart = [&](const std::function<void()>& change) {
     const Clocks spent = s.clocks;
     call_technique(s.type.info(), change);
-    const double restarting = s.clocks.prepare;
+    const Clocks restarting = s.clocks;
     s.clocks = spent;
-    s.clocks.iterate += restarting;
+    s.clocks.iterate += restarting.prepare;
+    s.clocks.compile += restarting.compile;
   };
   // No sample of pixels is kept: where the image can be small meanwhile, they cost little.
   const RenderSettings whole = s.settings;
   const bool resizes = s.type.info().capabilities.resizes;
-  if (resizes) restart([&] { s.look(at_most(whole, kUnseenEdge)); });
   bool interrupted = false;
-  while (!s.light_done && !s.last.converged && !(interrupted = interrupt_requested())) {
-    iterate();
-    if (on_progress) on_progress(s.last);
+  try {
+    if (resizes) restart([&] { s.look(at_most(whole, kUnseenEdge)); });
+    while (!s.light_done && !s.last.converged && !(interrupted = interrupt_requested())) {
+      iterate();
+      if (on_progress) on_progress(s.last);
+    }
+  } catch (...) {
+    if (resizes) s.look(whole);
+    throw;
   }
   if (resizes) restart([&] { s.look(whole); });
   if (interrupted) return true;

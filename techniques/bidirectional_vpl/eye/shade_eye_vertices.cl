@@ -47,16 +47,16 @@ bool count_scattering(BidirectionalSettings settings, EyeWalk* walk, bool delta)
 }
 
 // Ends paths at random behind camera_edges by the root of what they may still bring, as if no guide had made them more
-// likely (Arvo and Kirk 1990). Of surfaces that reflect the share r, r of the paths go on at each one, and those carry
-// r: a share that is lower than r and the same everywhere would make the variance of later bounces grow with each one.
-// False: the path ends here.
-bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, float u) {
+// likely (Arvo and Kirk 1990). Of surfaces that reflect the share r, r of the paths go on at each one, in the end, and
+// those carry r. Where fewer than r^2 went on, the variance of later bounces would grow with each one; where all do,
+// paths between white surfaces would not end. False: the path ends here.
+bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, bool delta, float u) {
   const bool chain = walk->state.flags & EYE_PATH_CHAIN;
   const float importance =
       max_component(walk->state.throughput.xyz) * walk->state.gain * medium_squared_ior(scene, walk->state.medium);
   float survival = 1.0f;
   if (!chain && walk->state.scatterings >= settings.camera_edges) {
-    survival = sqrt(fmin(1.0f, importance));
+    survival = fmin(delta ? 1.0f : 0.95f, sqrt(importance));
   } else if (chain && walk->state.segment >= LUCARIUM_PATH_EYE_ROULETTE_START) {
     survival = fmin(1.0f, importance);
   }
@@ -112,7 +112,7 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
     return false;
   }
   if (sample.transmitted) walk->state.medium = medium_behind(scene, surface, walk->state.medium);
-  if (!survives(scene, settings, walk, u.roulette)) return false;
+  if (!survives(scene, settings, walk, sample.delta, u.roulette)) return false;
   *ray = make_ray(surface, sample.direction, eye_ray_seed(sampler, 2u * walk->state.segment + 1u));
   *ends = ray_ends(surface, sample.direction);
   walk->state.bundle = LUCARIUM_NONE;

@@ -74,6 +74,10 @@ void check_alone(RenderSession& run, const Options& options, double seconds) {
 
 }  // namespace
 
+TEST_CASE("light is finished beside a small image") {
+  check_light_beside_small_image("bundle_exchange", load_scene("builtin:cornell"), quick);
+}
+
 TEST_CASE("every frame of a walk has the bits of that camera alone") {
   const Scene scene = load_scene("builtin:cornell-mirror");
   for (const Options& more : {Options{}, Options{{"direct_mode", "exchange"}, {"preview", "on"}},

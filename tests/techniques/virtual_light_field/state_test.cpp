@@ -31,6 +31,10 @@ struct SavedState : test::SavedLight {
 
 }  // namespace
 
+TEST_CASE("light is finished beside a small image") {
+  check_light_beside_small_image("virtual_light_field", load_scene("builtin:cornell"), saved_field);
+}
+
 TEST_CASE("every frame of a walk through the field has the bits of that camera alone") {
   const Scene scene = load_scene("builtin:cornell-mirror");
   for (const Options& more : {Options{}, Options{{"preset", "walkthrough"}}}) {

@@ -9,7 +9,7 @@ namespace lucarium {
 struct DeviceInfo;
 
 /// Whether the driver lets a program declare OpenCL C's functions itself (declare_built_ins()). PoCL 3.1 has clang read
-/// 14000 declarations for every program, twice, which takes longer than most programs; it leaves them out where their
+/// 14500 declarations for every program, twice, which takes longer than most programs; it leaves them out where their
 /// header's guard is defined.
 bool can_declare_built_ins(const DeviceInfo& device);
 

@@ -149,7 +149,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
   std::string name;
   ClProgram program;
   std::map<std::string, KernelSignature, std::less<>> signatures;
-  bool from_cache = false;
+  bool from_cache = false, declares_built_ins = false;
   double build_seconds = 0;
 
   std::optional<Hash128> request;    // of sources and specification; none where sources may change
@@ -212,6 +212,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
 
   void use(const ProgramText& given) {
     text = given;
+    declares_built_ins = given.options.ends_with(without_built_ins);
     key = device->program_cache().key(text.source, text.options);
   }
 
@@ -351,6 +352,7 @@ const ProgramSource& Program::source() const {
   return state_->source;
 }
 bool Program::from_cache() const { return state_->from_cache; }
+bool Program::declares_built_ins() const { return state_->declares_built_ins; }
 double Program::build_seconds() const { return state_->build_seconds; }
 
 const KernelSignature& Program::signature(std::string_view kernel) const {

@@ -43,8 +43,9 @@ class Program {
   const std::string& name() const;
   Device& device() const;
   cl_program handle() const;
-  bool from_cache() const;       ///< whether it came from disk, uncompiled
-  double build_seconds() const;  ///< wall time of compiling or loading
+  bool from_cache() const;          ///< whether it came from disk, uncompiled
+  bool declares_built_ins() const;  ///< whether it was built by declarations of its own (built_ins.h)
+  double build_seconds() const;     ///< wall time of compiling or loading
   /// Whether the driver has no code yet for such launches, which other processes could compile.
   bool lacks_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const;
   /// For those processes; the first call writes the file. Only where lacks_launch_code().

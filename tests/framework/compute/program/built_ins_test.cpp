@@ -100,6 +100,7 @@ std::array<std::vector<uint32_t>, 2> both_ways(const std::string& text) {
     SourceLibrary library;
     library.add(sources);
     const Program program(*test_device(), library, {"functions", {"functions.cl"}});
+    CHECK(program.declares_built_ins() == (own && can_declare_built_ins(test_device()->info())));
     results[own] = launch(program, "functions", 32, 8);
   }
   return results;
@@ -178,5 +179,6 @@ TEST_CASE("what compiles only with the driver's own declarations is compiled wit
   SourceLibrary library;
   library.add(sources);
   const Program program(*test_device(), library, {"pasted", {"pasted.cl"}});
+  CHECK_FALSE(program.declares_built_ins());
   CHECK(launch(program, "pasted", 3, 1) == std::vector<uint32_t>{25, 26, 27});
 }
