@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What bidirectional_vpl counts: rays by kind, candidates, splats, and paths that end at a limit.
+#include <algorithm>
 #include <cmath>
 
 #include "bidirectional_rig.h"
@@ -24,9 +25,9 @@ std::map<std::string, double> counters(const Scene& scene, const Picture& pictur
 }
 
 /// A closed box with a point light; the camera inside sees walls alone.
-Scene closed_box(bool open) {
+Scene closed_box(bool open, float reflectance = 0.5f) {
   Scene scene;
-  const int walls = add_material(scene, lambert(0.5f));
+  const int walls = add_material(scene, lambert(reflectance));
   if (open)
     add_horizontal(scene, 0, -0.5f, 0, 1, 1, true, walls);
   else
@@ -70,21 +71,26 @@ TEST_CASE("counters of rays: every path of a closed box has the same number") {
 }
 
 TEST_CASE("counters of rays: behind camera_edges as many paths go on as surfaces reflect, in the end") {
-  // By the root of what a path carries: sqrt(r) of the paths behind the first surface, which carry sqrt(r) then, and so
-  // r^(k - 1 + 2^-k) of them behind k surfaces.
-  const double r = 0.5, paths = 16 * 16 * 64;
-  const auto found = counters(closed_box(false), small_picture(-1, 64),
-                              {{"light_paths", "64"}, {"camera_edges", "1"}, {"adapt", "off"}});
-  CHECK(found.at("paths") == paths);
-  double rays = 1, squared = 1;
-  for (int k = 1; k < 60; ++k) {
-    const double share = std::pow(r, k - 1 + std::pow(0.5, k));
-    rays += share;
-    squared += (2 * k + 1) * share;
+  // By the root of what a path carries, and 0.95 at most, so that paths between white surfaces end.
+  const double paths = 16 * 16 * 64;
+  for (const double reflectance : {0.5, 1.0}) {
+    CAPTURE(reflectance);
+    const auto found = counters(closed_box(false, static_cast<float>(reflectance)), small_picture(-1, 64),
+                                {{"light_paths", "64"}, {"camera_edges", "1"}, {"adapt", "off"}});
+    CHECK(found.at("paths") == paths);
+    double rays = 1, squared = 1, share = 1, carried = 1;
+    for (int k = 1; k < 1000; ++k) {
+      carried *= reflectance;
+      const double survival = std::min(0.95, std::sqrt(carried));
+      carried /= survival;
+      share *= survival;
+      rays += share;
+      squared += (2 * k + 1) * share;
+    }
+    const double error = std::sqrt((squared - rays * rays) / paths);
+    CHECK(std::abs(found.at("camera_rays") / paths - rays) < 4 * error);
+    CHECK(4 * error < 0.04 * rays);
   }
-  const double error = std::sqrt((squared - rays * rays) / paths);
-  CHECK(std::abs(found.at("camera_rays") / paths - rays) < 4 * error);
-  CHECK(4 * error < 0.02 * rays);
 }
 
 TEST_CASE("counters of light paths: what leaves an open scene is missed") {
