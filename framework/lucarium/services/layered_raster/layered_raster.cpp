@@ -235,11 +235,16 @@ void LayeredRaster::State::record_tiles(ScheduleRecorder& recorder, const std::s
                 divide_up(rows - parity, 2), bind);
 }
 
-void LayeredRaster::State::record_all_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
-                                           const LayeredBins& bins, const Program& consumer, std::string_view kernel,
-                                           const std::function<void(PassBuilder&)>& bind) const {
-  record_rows(recorder, name, view, bins, consumer, kernel, LAYERED_ALL_ROWS,
-              divide_up(options.max_height, LAYERED_TILE_ROWS), bind);
+void LayeredRaster::State::record_each_tile(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                                            const LayeredBins& bins, const Program& consumer, std::string_view kernel,
+                                            const std::function<void(PassBuilder&)>& bind) const {
+  const uint32_t tiles = divide_up(options.max_width, lanes) * divide_up(options.max_height, LAYERED_TILE_ROWS);
+  PassBuilder pass = recorder.pass(name, consumer, kernel);
+  pass.global(divide_up(tiles, LAYERED_TILE_RUNS) * LAYERED_TILE_RUNS)
+      .local(1)
+      .slice(slice_pixels / (lanes * LAYERED_TILE_ROWS));
+  bind_tiles(pass, view, bins, 0);
+  bind(pass);
 }
 
 void LayeredRaster::State::record_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,

@@ -36,22 +36,31 @@ void layered_consume(LayeredNearest* nearest, const LayeredRow* row) {
   }
 }
 
-// What a row of tiles holds where nothing is seen.
-void layered_clear_nearest(LayeredNearest* nearest, uint height, uint row) {
-  const uint end = min((row + 1u) * LAYERED_TILE_ROWS, height) * nearest->width;
-  uint i = row * LAYERED_TILE_ROWS * nearest->width;
-  for (; i + 8u <= end; i += 8u) {
-    vstore8((float8)(INFINITY), 0, nearest->depth + i);
-    vstore8((uint8)(0xffffffffu), 0, nearest->triangle + i);
-  }
-  for (; i < end; ++i) {
-    nearest->depth[i] = INFINITY;
-    nearest->triangle[i] = 0xffffffffu;
+// What a tile holds where nothing is seen.
+void layered_clear_nearest(LayeredNearest* nearest, uint height, uint x, uint y) {
+  const uint lanes = min((uint)LAYERED_LANES, nearest->width - x), end = min(y + LAYERED_TILE_ROWS, height);
+  for (uint row = y; row < end; ++row) {
+    __global float* depth = nearest->depth + row * nearest->width + x;
+    __global uint* triangle = nearest->triangle + row * nearest->width + x;
+    if (lanes == LAYERED_LANES) {
+      for (uint lane = 0u; lane < LAYERED_LANES; lane += 8u) {
+        vstore8((float8)(INFINITY), 0, depth + lane);
+        vstore8((uint8)(0xffffffffu), 0, triangle + lane);
+      }
+      continue;
+    }
+    for (uint lane = 0u; lane < lanes; ++lane) {
+      depth[lane] = INFINITY;
+      triangle[lane] = 0xffffffffu;
+    }
   }
 }
 
 __kernel void layered_store_nearest(LAYERED_TILE_PARAMETERS __global float* depth, __global uint* triangle) {
-  LayeredNearest nearest = {depth, triangle, layered_views[layered_view].width};
-  layered_clear_nearest(&nearest, layered_views[layered_view].height, LAYERED_TILE_ROW);
-  LAYERED_RUN_TILES(&nearest);
+  const uint width = layered_views[layered_view].width, height = layered_views[layered_view].height;
+  const uint tile = LAYERED_OWN_TILE, tiles_x = (width + LAYERED_LANES - 1u) / LAYERED_LANES;
+  if (tile >= tiles_x * ((height + LAYERED_TILE_ROWS - 1u) / LAYERED_TILE_ROWS)) return;
+  LayeredNearest nearest = {depth, triangle, width};
+  layered_clear_nearest(&nearest, height, tile % tiles_x * LAYERED_LANES, tile / tiles_x * LAYERED_TILE_ROWS);
+  LAYERED_RUN_TILE(&nearest, tile);
 }

@@ -29,10 +29,10 @@ struct LayeredRaster::State {
   void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
                     const Program& consumer, std::string_view kernel,
                     const std::function<void(PassBuilder&)>& bind) const;
-  /// All rows of tiles at once: for kernels that write to their own rows alone.
-  void record_all_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
-                       const LayeredBins& bins, const Program& consumer, std::string_view kernel,
-                       const std::function<void(PassBuilder&)>& bind) const;
+  /// A work-item for each tile: for kernels that write to their own tiles alone (LAYERED_RUN_TILE).
+  void record_each_tile(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                        const LayeredBins& bins, const Program& consumer, std::string_view kernel,
+                        const std::function<void(PassBuilder&)>& bind) const;
   void record_rows(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
                    const Program& consumer, std::string_view kernel, uint32_t parity, uint32_t rows,
                    const std::function<void(PassBuilder&)>& bind) const;

@@ -200,8 +200,8 @@ void LayeredRaster::State::record_nearest(ScheduleRecorder& recorder, const std:
                                           const BufferRef& depth, const BufferRef& triangle) const {
   const LayeredBins bins = record_bins(recorder, name, view);
   const Program& nearest = consumer("nearest", 1);
-  record_all_rows(recorder, name + ".nearest", view, bins, nearest, "layered_store_nearest",
-                  [&](PassBuilder& pass) { pass.arg("depth", depth).arg("triangle", triangle); });
+  record_each_tile(recorder, name + ".nearest", view, bins, nearest, "layered_store_nearest",
+                   [&](PassBuilder& pass) { pass.arg("depth", depth).arg("triangle", triangle); });
 }
 
 LayeredRaster::Stored LayeredRaster::record_stored(ScheduleRecorder& recorder, const std::string& name,

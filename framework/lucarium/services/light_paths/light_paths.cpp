@@ -71,6 +71,7 @@ void LightPaths::record_batch(ScheduleRecorder& recorder, uint32_t base, const T
   PassBuilder emit = recorder.pass("emit light paths", program, "emit_light_paths");
   scene_.bind(emit);
   emit.global(items)
+      .local(kItemsPerGroup)
       .slice(kPathsPerSlice / 8)
       .arg("rules", rules)
       .arg("base", base)
