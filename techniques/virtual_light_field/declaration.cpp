@@ -51,6 +51,9 @@ void check_parameters(const Parameters& parameters, const Scene& scene, const Re
   if (parameters.eye_direct == EyeDirect::atlas && !parameters.split_layers)
     throw Error(ErrorClass::usage,
                 "virtual_light_field: eye_direct=atlas needs the direct light of tiles; set split_layers=on");
+  if (parameters.cells > 0 && parameters.cells < static_cast<int>(kMinSubfield))
+    throw_error(ErrorClass::usage, "virtual_light_field: cells={}: give at least {}, or 0 for an automatic choice",
+                parameters.cells, kMinSubfield);
   if (parameters.inspect_line > 2 * parameters.dir_n * parameters.dir_n)
     throw_error(ErrorClass::usage, "virtual_light_field: inspect_line={} with dir_n={}: lines are 0 to {}",
                 parameters.inspect_line, parameters.dir_n, 2 * parameters.dir_n * parameters.dir_n);

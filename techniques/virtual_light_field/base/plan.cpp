@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kCellShare =
     0.37;  // of δ times the mean chord (Mortensen et al. 2007, section 6: a ratio that could be computed)
-constexpr uint32_t kMinSubfield = 16, kMinAutomatic = 64, kMaxAutomatic = 256;
+constexpr uint32_t kMinAutomatic = 64, kMaxAutomatic = 256;
 constexpr double kBorder = 2;  // cells around the bounding sphere: shift and interpolation
 
 bool has_specular_lobes(const Scene& scene) {
@@ -55,7 +55,7 @@ SubfieldPlan plan_subfield(const Parameters& parameters, const Bounds& bounds, d
   SubfieldPlan plan;
   plan.cells = kMinAutomatic;
   if (parameters.cells > 0) {
-    plan.cells = std::max(static_cast<uint32_t>(parameters.cells), kMinSubfield);
+    plan.cells = static_cast<uint32_t>(parameters.cells);
   } else if (!bounds.empty() && area > 0) {
     const glm::dvec3 size = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
     const double chord = 4 * size.x * size.y * size.z / area;

@@ -26,6 +26,8 @@ struct Plan {
 };
 Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
+constexpr uint32_t kMinSubfield = 16;  ///< cells along an edge, at least
+
 /// Subfields: N cells of edge c along an edge, ss² pixels to a cell.
 struct SubfieldPlan {
   uint32_t cells = 0;

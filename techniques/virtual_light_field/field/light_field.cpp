@@ -300,7 +300,7 @@ void LightField::finish_sweep(const Norms& norms) {
   const bool last = is_last() || (unlimited && (dark || accurate || sweep_ + 1 >= kMaxSweeps));
   if (last) {
     why_done_ = !unlimited ? fmt::format("all {} bounces are propagated", options_.max_bounces)
-                : dark     ? fmt::format("no light is left after {} sweeps", sweep_ + 1)
+                : dark     ? fmt::format("no light is left after {} sweep{}", sweep_ + 1, sweep_ > 0 ? "s" : "")
                 : accurate ? fmt::format("the relative error is below {:.2g}, residual", error)
                            : fmt::format("all {} sweeps are done", kMaxSweeps);
   }

@@ -71,6 +71,7 @@ TEST_CASE("directions integrate the cosine as finely as they are") {
   CHECK(cosine_error(4) == relative(0.0098, 0.1));
   CHECK(cosine_error(8) == relative(0.0024, 0.1));
   CHECK(cosine_error(16) == relative(0.00058, 0.1));
+  CHECK(cosine_error(32) == relative(0.00014, 0.1));
 }
 
 TEST_CASE("a mirror takes the cells that its area and outline predict") {

@@ -103,7 +103,9 @@ TEST_CASE("a wall half mirror and half diffuse shows its mirror once, however it
     CAPTURE(eye.empty() ? "" : eye.front().first);
     CAPTURE(eye.empty() ? "" : eye.front().second);
     const Means found = render(scene, "virtual_light_field", -1, 160, with(eye, fine));
-    CHECK(found.emission + found.direct + found.indirect == relative(all, 0.03));
+    const double seen = found.emission + found.direct + found.indirect;
+    MESSAGE("off by ", seen / all - 1);
+    CHECK(seen == relative(all, 0.02));
   }
 }
 
