@@ -78,6 +78,33 @@ TEST_CASE("sheets in one place reflect the sky as one of them does") {
   check(scene, 0.5, 0.01);
 }
 
+TEST_CASE("a room of sheets is as bright drawn twice or three times as drawn once") {
+  SceneMaterial grey = test::lambert(0.6f);
+  grey.double_sided = true;
+  const auto room = [&](int copies) {
+    Scene scene;
+    const int material = test::add_material(scene, grey), lamp = test::add_material(scene, test::emitter(5));
+    for (int copy = 0; copy < copies; ++copy)
+      add_instance(scene, add_mesh(scene, MeshBuilder("walls").box({-1, 0, -1}, {1, 2, 1}).take()), material);
+    test::add_horizontal(scene, 0, 1.9f, 0, 0.6f, 0.6f, false, lamp);
+    scene.cameras.push_back(look_at_camera("inside", {0, 1.2f, 0.8f}, {0, 0.2f, 0}, 60.f));
+    return scene;
+  };
+  // Each copy has texels of its own.
+  const auto brightness = [&](int copies) {
+    return seen(room(copies), {{"dir_n", "4"},
+                               {"cells", "24"},
+                               {"texels", std::to_string(1024 * copies)},
+                               {"camera_samples", "1"},
+                               {"eye_direct", "atlas"}});
+  };
+  const double once = brightness(1);
+  for (const int copies : {2, 3}) {
+    CAPTURE(copies);
+    CHECK(brightness(copies) == test::relative(once, 0.01));
+  }
+}
+
 TEST_CASE("scenes of mirrors alone show the sky in them") {
   Scene scene = under_sky();
   const int material = test::add_material(scene, test::mirror());

@@ -173,21 +173,26 @@ TEST_CASE("a surface drawn twice in one place sends and receives once") {
   alike.access_gap = 0;
   test::BundleRig rig(plate(true), 700, 0.5f, {}, alike);
   const std::vector<AtlasTexel> texels = rig.texels();
-  std::vector<bool> ceiling;
-  for (const AtlasTexel& texel : texels) ceiling.push_back(rig.instance_of(texel.triangle) == 0);
+  std::vector<bool> ceiling, copy;
+  for (const AtlasTexel& texel : texels) {
+    ceiling.push_back(rig.instance_of(texel.triangle) == 0);
+    copy.push_back(rig.instance_of(texel.triangle) == 2);
+  }
   for (const bool from_ceiling : {false, true}) {
     CAPTURE(from_ceiling);
     rig.send([&](uint32_t side) { return glm::vec3(ceiling[side] == from_ceiling ? 1.f : 0.f); });
     const std::vector<glm::dvec4> before = rig.sums();
     const int count = 1024;
     rig.run(make_sequence(alike, 7), count);
-    double received = 0, weight = 0;
+    double received = 0, weight = 0, copied = 0;
     for (uint32_t side = 0; side < rig.sides(); ++side) {
       if (ceiling[side] == from_ceiling) continue;
       const glm::dvec4 found = rig.sums()[side] - (before.empty() ? glm::dvec4(0) : before[side]);
+      if (copy[side]) copied += found.w;
       received += found.x;
       weight += found.w;
     }
+    CHECK(copied == 0);  // rays hit the first one, from either end
     CHECK(received / weight == test::relative(0.19982, 0.01));
     CHECK(received / count / pi == test::relative(0.19982, 0.01));  // W A_p Σ L over a square metre
   }
