@@ -11,6 +11,7 @@
 #include "lucarium/compute/device/remedies.h"
 #include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/services/ray_ends.h"
+#include "lucarium/shared/path_settings.h"
 
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
@@ -47,9 +48,9 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       primitives_(device),
       program_(make_program(device, bidirectional_vpl_kernels(),
                             {"bidirectional_vpl/eye/begin_eye_paths", "bidirectional_vpl/eye/connect_to_all",
-                             "bidirectional_vpl/eye/shade_eye_vertices", "bidirectional_vpl/eye/add_eye_light",
-                             "bidirectional_vpl/eye/add_iteration", "bidirectional_vpl/eye/count_rays",
-                             "lucarium/services/path_integrator/advance_paths"},
+                             "bidirectional_vpl/eye/draw_eye_numbers", "bidirectional_vpl/eye/shade_eye_vertices",
+                             "bidirectional_vpl/eye/add_eye_light", "bidirectional_vpl/eye/add_iteration",
+                             "bidirectional_vpl/eye/count_rays", "lucarium/services/path_integrator/advance_paths"},
                             defines())),
       rays_(device, owner, "rays of camera paths", plan.settings.pixels, remedies::lower_size),
       ends_(make_ray_ends(device, intersector, owner, "ends of rays of camera paths", plan.settings.pixels,
@@ -213,7 +214,8 @@ size_t EyePaths::estimate_bytes(const Plan& plan, const Scene& scene, bool ray_e
   const size_t ends = ray_ends ? sizeof(RayEnds) : 0, ray = sizeof(Ray) + ends;
   const size_t kept = ray + sizeof(uint32_t) + sizeof(EyePathState) +
                       sizeof(float) * std::max(plan.light_vertices, 1u) + sizeof(float4) * plan.layers() * 2;
-  const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + (plan.learned ? 11 : 7) * sizeof(uint32_t);
+  const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + (plan.learned ? 11 : 7) * sizeof(uint32_t) +
+                           LUCARIUM_PATH_NUMBER_ROWS * sizeof(float);
   const size_t first = plan.gloss == Gloss::none ? 0 : sizeof(PathVertex);
   size_t vertices = 0;
   if (plan.caches) vertices = SceneLayout(scene).world_vertices;

@@ -30,6 +30,7 @@ struct EyeSums {
 ///   bounce    closest hit           Intersector          rays -> hits
 ///     ^       bundle_mode: BundleEdges, of rays along bundles
 ///     ^       vpl_choice=all: connect_to_all, shadow rays, add_connections, for each virtual light
+///     |       draw_eye_numbers      what vertices decide by
 ///     |       shade_eye_vertices    hits of lights, light sample, connection, BSDF sample
 ///     |       shadow rays, twice    Intersector (any hit)
 ///     |       add_eye_light_samples, add_connections

@@ -7,6 +7,7 @@
 #include "bidirectional_vpl/eye/eye_paths.h"
 #include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/ray_ends.h"
+#include "lucarium/shared/path_settings.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium::bidirectional {
@@ -162,6 +163,16 @@ void EyePaths::record_bounce() {
 
 void EyePaths::record_shade(ScheduleRecorder& recorder, const BufferRef& hits, const NextRays& next,
                             const ShadowedLight& samples, const ShadowedLight& connections) const {
+  const BufferRef numbers = recorder.transient<float>(
+      "random numbers", size_t{(plan_.settings.pixels + 7) / 8} * 8 * LUCARIUM_PATH_NUMBER_ROWS, remedies::lower_size);
+  recorder.pass("draw numbers of camera paths", program_, "draw_eye_numbers")
+      .global_by(active_, 0, 1.0 / 8)
+      .arg("seed", bounce_seed_)
+      .arg("sample_index", bounce_index_)
+      .arg("queue", queue_)
+      .arg("active", active_)
+      .arg("states", states_)
+      .arg("numbers", numbers);
   PassBuilder shade = recorder.pass("shade camera paths", program_, "shade_eye_vertices");
   scene_.bind(shade);
   shade.global_by(active_)
@@ -175,12 +186,12 @@ void EyePaths::record_shade(ScheduleRecorder& recorder, const BufferRef& hits, c
       .arg("vertex_list", vertices_ ? vertices_->list() : no_list_)
       .arg("vertex_count", vertices_ ? vertices_->count() : no_list_)
       .arg("candidate_table", vertices_ ? vertices_->table() : no_table_)
-      .arg("table_capacity", vertices_ ? vertices_->table_capacity() : 1u)
       .arg("shares", vertices_ ? vertices_->light_shares() : no_table_)
       .arg("rays", rays_)
       .arg("hits", hits)
       .arg("queue", queue_)
       .arg("active", active_)
+      .arg("numbers", numbers)
       .arg("states", states_)
       .arg("eye_mis", mis_)
       .arg("sample", sample_)

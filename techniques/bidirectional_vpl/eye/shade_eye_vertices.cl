@@ -67,15 +67,15 @@ bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk,
 
 // The next direction of the path (equation 1; behind a widened lobe, equation 14). False when the path ends here.
 bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, const Surface* surface,
-                      const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe,
-                      GLOSS_FIRST_PARAMETER(first_vertices) GUIDE_PARAMETERS Ray* ray, RayEnds* ends) {
-  const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
+                      const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed,
+                      const VertexNumbers* numbers, GLOSS_FIRST_PARAMETER(first_vertices) GUIDE_PARAMETERS Ray* ray,
+                      RayEnds* ends) {
   const uint number = bundle_number(settings, seed, sampler->index, walk->path, walk->state.segment);
   const Sampler bundle = bundle_set(settings, seed, sampler->index, walk->state.segment, number);
   // Choose a direction.
   const bool first = walk->state.scatterings == 0u;
   bool along_bundle;
-  BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle, first,
+  BsdfSample sample = sample_eye_direction(scene, bsdf, numbers, &bundle, first,
                                            takes_turn(seed, sampler->index, walk->path), &along_bundle);
   float gain = 1.0f;
 #ifdef EYE_GUIDE
@@ -112,8 +112,8 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
     return false;
   }
   if (sample.transmitted) walk->state.medium = medium_behind(scene, surface, walk->state.medium);
-  if (!survives(scene, settings, walk, sample.delta, u.roulette)) return false;
-  *ray = make_ray(surface, sample.direction, eye_ray_seed(sampler, 2u * walk->state.segment + 1u));
+  if (!survives(scene, settings, walk, sample.delta, numbers->direction.roulette)) return false;
+  *ray = make_ray(surface, sample.direction, numbers->next_seed);
   *ends = ray_ends(surface, sample.direction);
   walk->state.bundle = LUCARIUM_NONE;
 #ifdef EYE_BUNDLES_STORED
@@ -128,6 +128,33 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
   return true;
 }
 
+// One of all virtual lights, by resampling. Returns its slot in `vertices`, which it asks for: the caller has other
+// work first. `scale`: what its light is multiplied by, 0 where it has none.
+#if LIGHT_VERTICES > 0
+LUCARIUM_JOIN uint choose_vertex(BidirectionalSettings settings, const EyeWalk* walk, const Surface* surface,
+                                 const Bsdf* bsdf, const EyeMis* mis, __global const PathVertex* restrict vertices,
+                                 __global const uint* restrict list, uint count, __global const float* restrict table,
+                                 float4 v, uint seed, uint sample_index, float* scale) {
+  const float camera_side =
+      mis->fixed + path_mis_power(fabs(dot(bsdf->n_s, bsdf->view)) * M_1_PI_F) * mis->turning[LIGHT_VERTICES - 1u];
+  CandidateTarget target = make_candidate_target(surface, bsdf, camera_side, settings.connection_samples);
+#ifdef TWO_BOUNCE
+  if (has_shares(walk->state.scatterings + 2u)) {
+    target.samples = INFINITY;  // shares in place of weights
+    target.limit = settings.g_max;
+  }
+#endif
+  uint place = hash_uint(as_uint(v.x) ^ as_uint(v.z));
+#ifdef EYE_INTERLEAVED
+  place = interleaved_place(settings, interleaved_part(settings, seed, sample_index, walk->path), place);
+#endif
+  const uint chosen = list[choose_candidate(settings, table, count, &target, place, v.y, scale)];
+  LUCARIUM_PREFETCH(vertices + chosen);
+  LUCARIUM_PREFETCH((__global const uchar*)(vertices + chosen) + 64);
+  return chosen;
+}
+#endif
+
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i].
 // Light that still waits for its shadow ray: light_samples[i], w: bits of the scatterings of the whole path, and
 // connections[i], w: connection_path(); the rays are inactive where there is none. connections[i].w is NONE where no
@@ -138,10 +165,10 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
     __global const PathVertex* restrict vertices,
     GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices)
         GUIDE_PARAMETERS __global const uint* restrict vertex_list,
-    __global const uint* restrict vertex_count, __global const float* restrict candidate_table, uint table_capacity,
+    __global const uint* restrict vertex_count, __global const float* restrict candidate_table,
     __global const float* restrict shares, __global const Ray* restrict rays, __global const Hit* restrict hits,
-    __global const uint* restrict queue, __global const uint* restrict active, __global EyePathState* restrict states,
-    __global float* restrict eye_mis, __global float4* restrict sample,
+    __global const uint* restrict queue, __global const uint* restrict active, __global const float* restrict numbers,
+    __global EyePathState* restrict states, __global float* restrict eye_mis, __global float4* restrict sample,
     LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
         LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
     __global uint* restrict next_queue, __global uint* restrict alive, __global Ray* restrict light_rays,
@@ -178,13 +205,16 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
     return;
   }
 
+  // Where nothing may be scattered, only what emits counts.
+  const bool chain = walk.state.flags & EYE_PATH_CHAIN;
+  bool goes_on = walk.state.scatterings < rules.max_scatterings || chain;
+  if (!goes_on && !may_emit(&scene, hit.triangle)) return;
+
   // Find the surface, and what the volume on the way has left; add what it emits.
   const Surface surface = make_surface(&scene, hit, direction, 0u);
   walk.state.medium = medium_at(&scene, &surface, walk.state.medium);
   walk.state.throughput.xyz *= medium_transmittance(&scene, walk.state.medium, hit.distance);
   add_emission(&scene, rules, shares, &walk, &surface, hit.distance, sample);
-  const bool chain = walk.state.flags & EYE_PATH_CHAIN;
-  bool goes_on = walk.state.scatterings < rules.max_scatterings || chain;
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   goes_on = goes_on && !bsdf_is_black(&bsdf);
   if (!goes_on) {
@@ -199,10 +229,23 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
   arrive_gloss(&walk, &surface, hit.distance);
 #endif
   const Sampler sampler = make_pixel_sampler(seed, walk.path, sample_index);
-  const LightChoiceSample u = sample_light_dimensions(&sampler, walk.state.segment);
+  const VertexNumbers of_vertex = vertex_numbers(numbers, i);
   const uint scatterings = walk.state.scatterings + 1u;
-  const uint ray_seed = eye_ray_seed(&sampler, 2u * walk.state.segment);
   const bool smooth = bsdf_has_smooth_lobe(&bsdf) && scatterings <= rules.max_scatterings;
+
+#if LIGHT_VERTICES > 0
+  // Choose a virtual light.
+  const bool connecting = smooth && rules.connection_samples > 0.0f && scatterings < rules.max_scatterings &&
+                          vertex_count[0] > 0u &&
+                          !(rules.flags & BIDIRECTIONAL_ALL_VERTICES);  // else connect_to_all.cl has connected it
+  const bool of_one_path = rules.flags & (BIDIRECTIONAL_OWN_VERTICES | BIDIRECTIONAL_PAIRED_VERTICES);
+  const float4 v = random_float4(sampler.seed ^ CONNECTION_STREAM, sampler.index, walk.state.segment);
+  float scale = 0.0f;
+  uint vertex_index = 0u;
+  if (connecting && !of_one_path)
+    vertex_index = choose_vertex(rules, &walk, &surface, &bsdf, &mis, vertices, vertex_list, vertex_count[0],
+                                 candidate_table, v, seed, sample_index, &scale);
+#endif
 
   // Sample a light.
   if (smooth && rules.light_samples > 0.0f) {
@@ -210,8 +253,9 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
     uint number;
     Ray ray;
     RayEnds ends;
-    if (connect_light_sample(&scene, rules, shares, &walk, &surface, &bsdf, &mis, GLOSS_ARGUMENT(first_vertices) u,
-                             ray_seed, &light, &number, &ray, &ends)) {
+    if (connect_light_sample(&scene, rules, shares, &walk, &surface, &bsdf, &mis,
+                             GLOSS_ARGUMENT(first_vertices) of_vertex.light, of_vertex.shadow_seed, &light, &number,
+                             &ray, &ends)) {
       if (!is_contribution(light)) {
         walk.state.flags |= EYE_PATH_BAD;
       } else {
@@ -227,15 +271,12 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
 
 #if LIGHT_VERTICES > 0
   // Connect to a virtual light.
-  const bool chooses = !(rules.flags & BIDIRECTIONAL_ALL_VERTICES);  // else connect_to_all.cl has connected it
-  if (chooses && smooth && rules.connection_samples > 0.0f && scatterings < rules.max_scatterings &&
-      vertex_count[0] > 0u) {
-    const float4 v = random_float4(sampler.seed ^ CONNECTION_STREAM, sampler.index, walk.state.segment);
+  if (connecting) {
     connections[i].w = as_float(0u);
     float3 light = (float3)(0.0f), towards = surface.n_s;
     PathVertex vertex;
     uint light_path = 0u;
-    if (rules.flags & (BIDIRECTIONAL_OWN_VERTICES | BIDIRECTIONAL_PAIRED_VERTICES)) {
+    if (of_one_path) {
       // One of a light path: of the same number, or of the bundle's.
       light_path = walk.path;
       if (rules.flags & BIDIRECTIONAL_PAIRED_VERTICES)
@@ -243,25 +284,6 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
       light = choose_of_path(&scene, rules, &walk, &surface, &bsdf, &mis, vertices,
                              GLOSS_ARGUMENT(vertex_densities) light_path, v.x, &vertex, &towards);
     } else {
-      // One of all, by resampling.
-      const uint last = LIGHT_VERTICES - 1u;
-      const float camera_side =
-          mis.fixed + path_mis_power(fabs(dot(bsdf.n_s, bsdf.view)) * M_1_PI_F) * mis.turning[last];
-      CandidateTarget target = make_candidate_target(&surface, &bsdf, camera_side, rules.connection_samples);
-#ifdef TWO_BOUNCE
-      if (has_shares(scatterings + 1u)) {
-        target.samples = INFINITY;  // shares in place of weights
-        target.limit = rules.g_max;
-      }
-#endif
-      float scale;
-      uint place = hash_uint(as_uint(v.x) ^ as_uint(v.z));
-#ifdef EYE_INTERLEAVED
-      place = interleaved_place(rules, interleaved_part(rules, seed, sample_index, walk.path), place);
-#endif
-      const uint chosen =
-          choose_candidate(rules, candidate_table, table_capacity, vertex_count[0], &target, place, v.y, &scale);
-      const uint vertex_index = vertex_list[chosen];
       vertex = vertices[vertex_index];
       light_path = vertex_index / LIGHT_VERTICES;
       if (scale > 0.0f)
@@ -275,7 +297,7 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
     } else if (!is_black(light)) {
       Ray ray;
       RayEnds ends;
-      light = aim_connection(&scene, &walk, &surface, &vertex, towards, ray_seed, light, &ray, &ends);
+      light = aim_connection(&scene, &walk, &surface, &vertex, towards, of_vertex.shadow_seed, light, &ray, &ends);
       connection_rays[i] = ray;
       LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
       connections[i] = (float4)(light, connection_path(&walk, &vertex));
@@ -287,7 +309,7 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
   // Go on.
   Ray next = inactive_ray();
   RayEnds ends = no_ray_ends();
-  goes_on = sample_direction(&scene, rules, &walk, &surface, &bsdf, &mis, &sampler, seed, u.lobe,
+  goes_on = sample_direction(&scene, rules, &walk, &surface, &bsdf, &mis, &sampler, seed, &of_vertex,
                              GLOSS_ARGUMENT(first_vertices) GUIDE_ARGUMENTS & next, &ends);
   alive[i] = goes_on;
   next_rays[i] = next;

@@ -19,7 +19,8 @@ constexpr uint32_t kCountChunk = 1 << 14;
 // Light vertices that do not stay in a processor's caches until they are read.
 constexpr size_t kManyVertices = (16u << 20) / sizeof(PathVertex);
 // As candidates.clh has them.
-constexpr uint32_t kTableArrays = 8, kRepeated = 256;
+// Of the table of candidates (candidates.clh): rows, and what is repeated behind the last full block.
+constexpr uint32_t kTableRows = 8, kRepeated = 256 + 2 * 8;
 
 std::map<std::string, std::string> with_mis(std::map<std::string, std::string> defines, const Plan& plan) {
   defines.merge(plan_defines(plan));
@@ -60,7 +61,7 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
       plan_(plan),
       first_hits_(first_hits),
       owner_(owner),
-      table_capacity_(static_cast<uint32_t>(plan.vertex_slots()) + kRepeated + 8),
+      table_capacity_((static_cast<uint32_t>(plan.vertex_slots()) + kRepeated + 7) / 8 * 8),
       primitives_(device),
       paths_(device, scene, intersector, path_options(plan), owner),
       store_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/store_light_vertices"},
@@ -73,7 +74,7 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
       vertices_(device, owner, "light vertices", plan.vertex_slots(), kRemedy),
       densities_(device, owner, "densities of light vertices", plan.gloss == Gloss::none ? 1 : plan.vertex_slots(),
                  kRemedy),
-      table_(device, owner, "table of virtual lights", plan.has_table() ? size_t{table_capacity_} * kTableArrays : 1,
+      table_(device, owner, "table of virtual lights", plan.has_table() ? size_t{table_capacity_} * kTableRows : 1,
              kRemedy),
       light_sums_(device, owner, "light of each light's paths", plan.learned ? scene.scene_lights.count() : 1),
       light_news_(device, owner, "light of each light's paths in an iteration",
@@ -298,7 +299,7 @@ void LightVertices::count_paths() {
 size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
   const size_t slots = plan.vertex_slots(), splats = plan.splat ? slots - plan.settings.light_paths : 0;
   const size_t ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
-  const size_t table = plan.has_table() ? (slots + kRepeated + 8) * kTableArrays * sizeof(float) : 0;
+  const size_t table = plan.has_table() ? (slots + kRepeated + 7) / 8 * 8 * kTableRows * sizeof(float) : 0;
   const size_t transients = std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
                                       splats * (ray + sizeof(float4) + (plan.learned ? 9 : 5) * sizeof(uint32_t)),
                                       slots * 3 * sizeof(uint32_t)});

@@ -38,7 +38,6 @@ class LightVertices {
   const TypedBuffer<uint32_t>& list() const { return list_; }              ///< indices of the vertices that are there
   const TypedBuffer<uint32_t>& count() const { return count_; }            ///< one element: how many
   const TypedBuffer<uint32_t>& slot_count() const { return slot_count_; }  ///< one element: of vertices()
-  uint32_t table_capacity() const { return table_capacity_; }
   /// To connect to, of the last iteration.
   uint32_t vertex_count() const { return present_; }
   /// Of all iterations since clear_counters().
@@ -71,7 +70,7 @@ class LightVertices {
   Plan plan_;
   LightPaths::FirstHits first_hits_;
   std::string owner_;
-  uint32_t table_capacity_;
+  uint32_t table_capacity_;  ///< entries, full blocks
   Primitives primitives_;
   LightPaths paths_;
   Program store_, list_program_, splat_program_, learn_program_;

@@ -15,14 +15,14 @@ namespace lucarium::bench {
 namespace {
 
 void measure_candidates(Bars& bars, const Effort& effort) {
-  constexpr uint32_t kCapacity = 1 << 15, kArrays = 8, kCompared = 32, kSurfaces = 1 << 20;
+  constexpr uint32_t kCapacity = 1 << 15, kRows = 8, kCompared = 32, kSurfaces = 1 << 20;
   const std::shared_ptr<Device> device = test::test_device();
   KernelScheduler scheduler(device);
   SourceLibrary library;
   library.add(bidirectional_vpl_kernels());
   library.add(lucarium_bidirectional_bench_kernels());
   const Program program(*device, library, {.name = "bench/candidates", .files = {"bench/bidirectional/candidates.cl"}});
-  std::vector<float> table(size_t{kArrays} * kCapacity);
+  std::vector<float> table(size_t{kRows} * kCapacity);
   std::mt19937 engine(1);
   std::uniform_real_distribution<float> uniform(0.01f, 1);
   for (float& value : table) value = uniform(engine);
@@ -32,8 +32,8 @@ void measure_candidates(Bars& bars, const Effort& effort) {
       .global(kSurfaces)
       .local(64)
       .arg("table", entries)
-      .arg("capacity", kCapacity)
-      .arg("compared", kCompared)
+      .arg("blocks", kCapacity / 8)
+      .arg("compared", kCompared / 8)
       .arg("sums", sums);
   Schedule schedule = recorder.compile();
   std::vector<Contestant> all{{.name = "candidates",

@@ -144,10 +144,8 @@ LUCARIUM_JOIN bool sample_direction(const Scene* scene, PathSettings settings, W
   return true;
 }
 
-bool may_emit(const Scene* scene, PathSettings settings, uint triangle) {
-  if (!(settings.flags & LUCARIUM_PATH_SEES_TRIANGLES)) return false;
-  const uint material = scene->scene_instances[scene->scene_triangles[triangle].instance].material;
-  return scene->scene_materials[material].flags & LUCARIUM_MATERIAL_EMISSIVE;
+bool sees_emission(const Scene* scene, PathSettings settings, uint triangle) {
+  return (settings.flags & LUCARIUM_PATH_SEES_TRIANGLES) && may_emit(scene, triangle);
 }
 
 // Shades the surface that ray i of the queue has hit. True when the path goes on along `next_ray`.
@@ -157,7 +155,7 @@ LUCARIUM_JOIN bool shade_hit(const Scene* scene, PathSettings settings, PathBatc
   // Where only more counted scatterings than wanted could follow, the ray was for emitters alone.
   const bool eye_side = walk->state.scatterings == 0u;
   const bool ends = path_ends_here(settings, walk->state);
-  if (ends && !may_emit(scene, settings, hit.triangle)) return false;
+  if (ends && !sees_emission(scene, settings, hit.triangle)) return false;
   const uint options = settings.flags & LUCARIUM_PATH_GEOMETRIC_NORMALS ? LUCARIUM_SURFACE_GEOMETRIC_NORMALS : 0u;
   const Surface surface = make_surface(scene, hit, direction, options);
 
