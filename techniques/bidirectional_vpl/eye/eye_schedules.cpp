@@ -167,6 +167,7 @@ void EyePaths::record_shade(ScheduleRecorder& recorder, const BufferRef& hits, c
       "random numbers", size_t{(plan_.settings.pixels + 7) / 8} * 8 * LUCARIUM_PATH_NUMBER_ROWS, remedies::lower_size);
   recorder.pass("draw numbers of camera paths", program_, "draw_eye_numbers")
       .global_by(active_, 0, 1.0 / 8)
+      .arg("settings", plan_.settings)
       .arg("seed", bounce_seed_)
       .arg("sample_index", bounce_index_)
       .arg("queue", queue_)

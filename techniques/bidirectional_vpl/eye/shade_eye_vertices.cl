@@ -6,9 +6,11 @@
 #include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/eye/find_lights.clh"
 #include "bidirectional_vpl/guide/guide.clh"
+#include "lucarium/lights.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
+#include "lucarium/vertex_numbers.clh"
 
 #ifdef EYE_GUIDE
 #define GUIDE_PARAMETERS                                                                        \
@@ -128,9 +130,9 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
   return true;
 }
 
+#if LIGHT_VERTICES > 0
 // One of all virtual lights, by resampling. Returns its slot in `vertices`, which it asks for: the caller has other
 // work first. `scale`: what its light is multiplied by, 0 where it has none.
-#if LIGHT_VERTICES > 0
 LUCARIUM_JOIN uint choose_vertex(BidirectionalSettings settings, const EyeWalk* walk, const Surface* surface,
                                  const Bsdf* bsdf, const EyeMis* mis, __global const PathVertex* restrict vertices,
                                  __global const uint* restrict list, uint count, __global const float* restrict table,

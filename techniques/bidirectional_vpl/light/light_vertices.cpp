@@ -18,8 +18,8 @@ constexpr size_t kSlice = 1 << 16;
 constexpr uint32_t kCountChunk = 1 << 14;
 // Light vertices that do not stay in a processor's caches until they are read.
 constexpr size_t kManyVertices = (16u << 20) / sizeof(PathVertex);
-// As candidates.clh has them.
-// Of the table of candidates (candidates.clh): rows, and what is repeated behind the last full block.
+// Of the table of candidates (candidates.clh): rows; entries that fill the last block, and those that are repeated
+// behind it, a block and as many as a connection has at most.
 constexpr uint32_t kTableRows = 8, kRepeated = 256 + 2 * 8;
 
 std::map<std::string, std::string> with_mis(std::map<std::string, std::string> defines, const Plan& plan) {

@@ -37,6 +37,36 @@ TEST_CASE("in a sphere, virtual lights alone give each bounce albedo^k I / R^2, 
   table.check(0.01);
 }
 
+TEST_CASE("in a sphere each of few virtual lights counts alike, whatever the number of candidates") {
+  // The table has blocks of eight: numbers of lights and of candidates are below, at and above such blocks.
+  const float albedo = 0.6f;
+  const Scene scene = sphere_room(albedo, glm::vec3(0));
+  ClosedForms table;
+  for (const auto& [light_paths, candidates] :
+       {std::pair(1, 1), {2, 8}, {3, 3}, {3, 8}, {3, 32}, {5, 5}, {5, 11}, {11, 8}, {11, 256}}) {
+    Picture picture;
+    picture.width = picture.height = 16;
+    picture.max_bounces = 4;
+    picture.iterations = full_run() ? 256 : 32;
+    std::vector<double> means;
+    for (uint32_t i = 0; i < 8; ++i) {
+      picture.seed = 40 + i;
+      means.push_back(mean_of(render(scene, "bidirectional_vpl", picture,
+                                     {{"strategy", "vpl"},
+                                      {"light_vertices", "3"},
+                                      {"light_paths", std::to_string(light_paths)},
+                                      {"candidates", std::to_string(candidates)}})
+                                  .find("indirect")
+                                  ->pixels));
+    }
+    double expected = 0;
+    for (int k = 1; k <= picture.max_bounces; ++k) expected += std::pow(double{albedo}, k + 1) / (4 * M_PI);
+    table.add(std::to_string(light_paths) + " light paths, " + std::to_string(candidates) + " candidates",
+              estimate_of(means), expected, 3e-3 * expected);
+  }
+  table.check(0.02);
+}
+
 TEST_CASE("a bundle that serves both sides of surfaces has half the second moment of one that serves one side") {
   // Under a sky of radiance 1 a sample of a floor is rho cos / pi over the density: 2 rho cos with 1 / 2 pi; 4 rho cos
   // with 1 / 4 pi, and nothing in the other hemisphere. The mean of cos^2 is 1/3.

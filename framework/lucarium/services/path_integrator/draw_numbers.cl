@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The random numbers of every active path's vertex.
+// The random numbers of every active path's vertex: drawn in shading they took a third of its time.
 #include "lucarium/services/path_integrator/path_state.clh"
 
-// Work-item i: entries 8 i to 8 i + 7 of the queue; of paths beyond its end it repeats the last. All active paths have
+// Work-item i: places 8 i to 8 i + 7 of the queue; of those beyond its end it repeats the last. All active paths have
 // visited equally many vertices.
 __kernel void draw_vertex_numbers(PathSettings settings, PathBatch batch, __global const uint* restrict queue,
                                   __global const uint* restrict active, __global const PathState* restrict path_state,
