@@ -20,7 +20,7 @@
 #define LUCARIUM_PATH_OPAQUE_BLEND 8192u    // BLEND surfaces count as opaque
 
 #define LUCARIUM_PATH_LAYERS 3u
-#define LUCARIUM_PATH_NUMBER_ROWS 12u  // words that a vertex decides by (vertex_numbers.clh)
+#define LUCARIUM_PATH_NUMBER_ROWS 12u  // words that a vertex decides by (eight/vertex_numbers.clh)
 // Delta events between the eye and the first non-delta vertex, where their number is unlimited: no more than this;
 // reaching it is counted and reported.
 #define LUCARIUM_PATH_EYE_DELTA_LIMIT 4096u

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The random numbers of every active camera path's vertex.
 #include "bidirectional_vpl/eye/eye_path.clh"
-#include "lucarium/vertex_numbers.clh"
+#include "lucarium/eight/vertex_numbers.clh"
 
 // Whether a path's next vertex scatters nothing: what emits there may count.
 bool scatters_nothing(BidirectionalSettings settings, EyePathState state) {

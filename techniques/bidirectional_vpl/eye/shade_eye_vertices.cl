@@ -10,7 +10,7 @@
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
-#include "lucarium/vertex_numbers.clh"
+#include "lucarium/eight/vertex_numbers.clh"
 
 #ifdef EYE_GUIDE
 #define GUIDE_PARAMETERS                                                                        \
