@@ -19,6 +19,7 @@
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/film/exposure.h"
 #include "lucarium/scene/animation.h"
+#include "lucarium/scene/camera_path.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/session/session.h"
 #include "lucarium/technique/technique_folders.h"
@@ -189,6 +190,9 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
   const double load_seconds = loading.seconds();
   if (frames && scene.animations.empty() && !scene.camera_path)
     log_warning("{} has no animation: all frames show the same", arguments.scene);
+  // A path that has no view at one of the frames is refused before the first is rendered.
+  for (int frame = frames ? frames->first : 0; frames && scene.camera_path && frame <= frames->last; ++frame)
+    camera_on_path(*scene.camera_path, frame / arguments.frames_per_second);
   RenderSettings settings = arguments.settings;
   settings.camera = scene.cameras.front();
   if (state) arguments.state.apply_to(settings, *state);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The grid of directions: solid angles, antipodes, nesting, quadrature; patches and the cells that they take.
+// The grid of directions: solid angles, antipodes, nesting, quadrature, hat functions; patches and the cells that they
+// take.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "field_rig.h"
@@ -35,6 +38,35 @@ double cosine_error(uint32_t n) {
     }
   }
   return std::sqrt(sum / count);
+}
+
+/// The hat functions that are not 0 at a direction, by the number of theirs: barycentric coordinates in the square.
+std::map<uint32_t, double> hats_at(const vlf::DirectionGrid& grid, const glm::dvec3& direction) {
+  const glm::dvec3 d = grid.rotation() * direction;
+  const double r = std::sqrt(std::max(0., 1 - std::abs(d.z)));
+  double v = r * 2 / pi * std::atan2(std::abs(d.y), std::abs(d.x)), u = r - v;
+  if (d.z < 0) {
+    const double before = u;
+    u = 1 - v;
+    v = 1 - before;
+  }
+  const double n = grid.n(), across = n * (1 + std::copysign(u, d.x)), down = n * (1 + std::copysign(v, d.y));
+  const double i = std::clamp(std::floor(across), 0., 2 * n - 1), j = std::clamp(std::floor(down), 0., 2 * n - 1);
+  double x = across - i, y = down - j;
+  const bool mirrored = (i < n) != (j < n);  // the other diagonal splits these cells
+  if (mirrored) x = 1 - x;
+  std::map<uint32_t, double> hats;
+  const auto add = [&](bool right, bool lower, double weight) {
+    const double column = i + (right != mirrored ? 1 : 0), row = j + (lower ? 1 : 0);
+    hats[grid.nodes().at(static_cast<size_t>(row * (2 * n + 1) + column))] += weight;
+  };
+  if (x + y < 1)
+    add(false, false, 1 - x - y);
+  else
+    add(true, true, x + y - 1);
+  add(true, false, x + y < 1 ? x : 1 - y);
+  add(false, true, x + y < 1 ? y : 1 - x);
+  return hats;
 }
 
 }  // namespace
@@ -72,6 +104,47 @@ TEST_CASE("directions integrate the cosine as finely as they are") {
   CHECK(cosine_error(8) == relative(0.0024, 0.1));
   CHECK(cosine_error(16) == relative(0.00058, 0.1));
   CHECK(cosine_error(32) == relative(0.00014, 0.1));
+}
+
+TEST_CASE("solid angles are the integrals of hat functions") {
+  const vlf::DirectionGrid grid(3, 3);
+  constexpr int count = 40000;
+  std::vector<double> integrals(grid.directions(), 0);
+  for (int i = 0; i < count; ++i) {  // a Fibonacci lattice
+    const double z = 1 - (2 * i + 1.) / count, angle = 2 * pi * i * 0.6180339887498949, r = std::sqrt(1 - z * z);
+    for (const auto& [direction, hat] : hats_at(grid, {r * std::cos(angle), r * std::sin(angle), z}))
+      integrals[direction] += 4 * pi / count * hat;
+  }
+  for (uint32_t d = 0; d < grid.directions(); ++d) CHECK(integrals[d] == relative(grid.solid_angle(d), 0.005));
+}
+
+// Over a triangle of area A the products of barycentric coordinates have the integrals A/3 (one), A/6 (its square),
+// A/10 (its cube) and A/12 (two of them). With the density h/∫h the mean of h is then 1/2, that of h² 3/10, and that of
+// a neighbour's hat function, which shares two of six triangles, 1/12; two of four at corners of the octahedron: 1/8.
+// Uniform over the triangles instead, as of the paper's directions, they would be 1/3, 1/6 and 1/9 or 1/6.
+TEST_CASE("directions about one of the grid have the density of its hat function") {
+  constexpr uint32_t count = 4096;
+  for (const uint32_t n : {2u, 5u}) {
+    CAPTURE(n);
+    const vlf::DirectionGrid grid(n, 5);
+    for (uint32_t line = 0; line < grid.lines(); ++line) {
+      CAPTURE(line);
+      std::map<uint32_t, double> means;
+      double squares = 0;
+      for (const glm::dvec3& direction : grid.directions_about(line, count, 7)) {
+        const std::map<uint32_t, double> hats = hats_at(grid, direction);
+        const auto own = hats.find(2 * line);
+        REQUIRE(own != hats.end());
+        squares += own->second * own->second / count;
+        for (const auto& [other, hat] : hats) means[other] += hat / count;
+      }
+      const bool corner = grid.solid_angle(2 * line) < 0.9 * pi / (n * n);
+      REQUIRE(means.size() == (corner ? 5 : 7));
+      CHECK(squares == within(0.3, 0.005));
+      for (const auto& [other, mean] : means)
+        CHECK(mean == within(other == 2 * line ? 0.5 : corner ? 1. / 8 : 1. / 12, 0.005));
+    }
+  }
 }
 
 TEST_CASE("a mirror takes the cells that its area and outline predict") {

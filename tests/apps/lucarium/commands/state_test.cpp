@@ -121,6 +121,13 @@ TEST_CASE("camera paths on the command line that are wrong: exit code 2, in a fi
   check_refused(scene + "'linear:0@0,0,1:0,0,0;nan@0,0,2:0,0,0'", 2, "with finite numbers");
   check_refused(scene + "'linear:0@0,0,1:0,0,0;1@0,0,2:0,0,2'", 2, "key 1: eye and target are the same point");
   check_refused(scene + "'linear:0@0,0,1:0,0,-1;1@0,0,-1:0,0,1' --at 0.5", 3, "eye and target meet at 0.5 s");
+  // No frame is rendered when a later one has no view.
+  check_refused(
+      "render builtin:cornell --size 8x8 --spp 1 -q --frames 0:2 --fps 2 --camera-path "
+      "'linear:0@0,0,1:0,0,-1;1@0,0,-1:0,0,1' -o " +
+          (folder.path() / "a.png").string(),
+      3, "eye and target meet at 0.5 s");
+  CHECK(count_files(folder.path()) == 0);
   const std::string first = R"({"keys": [{"seconds": 0, "eye": [0, 0, 1], "target": [0, 0, 0]}, )";
   check_refused(in_file(first + R"({"seconds": 1, "eye": [0, 0, 1], "target": [0, 0, 0], "vfov": 40}]})"), 3,
                 "path.json:1: keys/1/vfov: unknown key; known are seconds, eye, target, vfov_degrees");
