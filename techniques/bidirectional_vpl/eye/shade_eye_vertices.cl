@@ -6,11 +6,11 @@
 #include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/eye/find_lights.clh"
 #include "bidirectional_vpl/guide/guide.clh"
+#include "lucarium/eight/vertex_numbers.clh"
 #include "lucarium/lights.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
-#include "lucarium/eight/vertex_numbers.clh"
 
 #ifdef EYE_GUIDE
 #define GUIDE_PARAMETERS                                                                        \
