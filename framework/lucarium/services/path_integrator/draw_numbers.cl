@@ -2,16 +2,13 @@
 // The random numbers of every active path's vertex: drawn in shading they took a third of its time.
 #include "lucarium/services/path_integrator/path_state.clh"
 
-// Work-item i: places 8 i to 8 i + 7 of the queue; of those beyond its end it repeats the last. All active paths have
-// visited equally many vertices.
+// Work-item i: places 8 i to 8 i + 7 of the queue. All active paths have visited equally many vertices.
 __kernel void draw_vertex_numbers(PathSettings settings, PathBatch batch, __global const uint* restrict queue,
                                   __global const uint* restrict active, __global const PathState* restrict path_state,
                                   __global float* restrict numbers) {
   const uint i = get_global_id(0), count = active[0];
   if (8u * i >= count) return;
-  const uint8 places = min(8u * i + (uint8)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u), count - 1u);
-  const uint8 paths = (uint8)(queue[places.s0], queue[places.s1], queue[places.s2], queue[places.s3], queue[places.s4],
-                              queue[places.s5], queue[places.s6], queue[places.s7]);
+  const uint8 paths = queued_paths8(queue, i, count);
   const uint vertex = path_state[paths.s0].segment;
   // Paths scatter for the last time at the same vertex, except for those that met mirrors first.
   if (vertex >= settings.max_scatterings && path_ends_here(settings, path_state[paths.s0]) &&
