@@ -77,17 +77,19 @@ __kernel void abuffer_mark_empty(__global const AbufferGrid* abuffer_grid, __glo
   const int count = size.x * size.y * size.z;
   __global uchar* edges = (__global uchar*)(abuffer_bricks + count);
   for (int k = 0; k < size.z; ++k)
-    for (int j = 0; j < size.y; ++j)
-      for (int i = 0; i < size.x; ++i) {
-        // The bricks towards the octant come first; none is behind the first ones.
-        const int x = up.x ? size.x - 1 - i : i, y = up.y ? size.y - 1 - j : j, z = up.z ? size.z - 1 - k : k;
-        const int brick = (z * size.y + y) * size.x + x;
+    for (int j = 0; j < size.y; ++j) {
+      // The bricks towards the octant come first; none is behind the first ones.
+      const int y = up.y ? size.y - 1 - j : j, z = up.z ? size.z - 1 - k : k;
+      int brick = (z * size.y + y) * size.x + (up.x ? size.x - 1 : 0), before = 254;
+      for (int i = 0; i < size.x; ++i, brick -= side.x) {
+        __global uchar* edge = edges + 8 * brick + (int)octant;
         int least = 254;
-        for (int near = 1; near < 8; ++near) {
-          if (((near & 1) && !i) || ((near & 2) && !j) || ((near & 4) && !k)) continue;
-          const int there = brick + (near & 1 ? stride.x : 0) + (near & 2 ? stride.y : 0) + (near & 4 ? stride.z : 0);
-          least = min(least, (int)edges[8 * there + (int)octant]);
-        }
-        edges[8 * brick + (int)octant] = abuffer_bricks[brick] ? (uchar)0 : (uchar)(least + 1);
+        if (j) least = min(least, (int)edge[8 * stride.y]);
+        if (k) least = min(least, (int)edge[8 * stride.z]);
+        if (j && k) least = min(least, (int)edge[8 * (stride.y + stride.z)]);
+        const int own = abuffer_bricks[brick] ? 0 : min(least, before) + 1;
+        *edge = (uchar)own;
+        before = min(least, own);  // what the next one has of this brick and those beside it
       }
+    }
 }
