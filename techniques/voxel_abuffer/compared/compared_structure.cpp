@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_abuffer/compared/compared_structure.h"
 
-#include <algorithm>
-
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/services/ray_shares/ray_shares.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
 namespace lucarium::abuffer {
-
-namespace {
-
-constexpr size_t rays_per_item = 1024;   // COMPARED_CHUNK
-constexpr size_t slice_rays = 1u << 15;  // per compute unit, between two looks at the cancel flag
-
-}  // namespace
 
 ComparedStructure::ComparedStructure(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind)
     : scheduler_(&scheduler), buffers_(&buffers), kind_(std::move(kind)), pairs_(scheduler, buffers, kind_.morton) {}
@@ -59,15 +51,8 @@ void ComparedStructure::update(const SceneChange& change) {
 void ComparedStructure::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
                                const RayBuffers& rays, const char* result_name, const BufferRef& result) const {
   PassBuilder pass = recorder.pass(pass_name, program_, kernel);
-  pass.global(std::max<size_t>(1, (size_t{rays.capacity} + rays_per_item - 1) / rays_per_item))
-      .local(1)
-      .slice(slice_rays * std::max(1u, scheduler_->device().info().compute_units) / rays_per_item)
-      .arg("rays", rays.rays)
-      .arg(result_name, result)
-      .arg("counter", rays.counter)
-      .arg("counter_index", rays.counter_index)
-      .arg("capacity", rays.capacity)
-      .arg("compared_grid", pairs_.grid());
+  trace_by_shares(pass, rays, scheduler_->device());
+  pass.arg("rays", rays.rays).arg(result_name, result).arg("compared_grid", pairs_.grid());
   if (wants_ends()) pass.arg("ends", rays.ends);
   bind(pass);
   if (alpha_ || kind_.needs_scene) buffers_->bind(pass);

@@ -2,10 +2,9 @@
 // Closest and any hit over a uniform grid of triangle lists: the same triangle test as the hierarchy's, 8 at a time, so
 // that hits are its hits to the bit. Walk: Amanatides and Woo 1987 (search/grid_ray.clh).
 #define BVH_LEAF 8
+#include "lucarium/services/ray_shares/ray_shares.clh"
 #include "voxel_abuffer/compared/voxel_keys.clh"
 #include "voxel_abuffer/search/grid_ray.clh"
-
-#define COMPARED_CHUNK 1024u
 
 #ifdef BVH_ALPHA
 #define COMPARED_SCENE_PARAMETERS LUCARIUM_SCENE_PARAMETERS
@@ -59,14 +58,12 @@ static bool compared_trace(const ComparedGrid* context, AbufferRay* r, Hit* best
 }
 
 __kernel void compared_closest(COMPARED_SCENE_PARAMETERS __global const Ray* rays, __global Hit* hits,
-                               __global const uint* counter, uint counter_index, uint capacity, uint slice_base,
-                               __global const AbufferGrid* compared_grid, __global const ulong* compared_bricks,
-                               __global const uint* compared_first_of_brick, __global const uint* compared_block_start,
-                               __global const float* compared_blocks) {
+                               RAY_SHARE_PARAMETERS, __global const AbufferGrid* compared_grid,
+                               __global const ulong* compared_bricks, __global const uint* compared_first_of_brick,
+                               __global const uint* compared_block_start, __global const float* compared_blocks) {
   COMPARED_CONTEXT(context);
-  const uint count = min(counter[counter_index], capacity);
-  const uint first = ((uint)get_global_id(0) + slice_base) * COMPARED_CHUNK;
-  for (uint i = first; i < min(first + COMPARED_CHUNK, count); ++i) {
+  RAY_SHARE(share);
+  for (uint i = share.first; i < share.end; ++i) {
     const Ray ray = rays[i];
     const Hit miss = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
     Hit best = {fmin(ray.direction.w, MAXFLOAT), LUCARIUM_NO_HIT, 0.0f, 0.0f};
@@ -77,14 +74,12 @@ __kernel void compared_closest(COMPARED_SCENE_PARAMETERS __global const Ray* ray
 }
 
 __kernel void compared_any(COMPARED_SCENE_PARAMETERS __global const Ray* rays, __global uint* occluded,
-                           __global const uint* counter, uint counter_index, uint capacity, uint slice_base,
-                           __global const AbufferGrid* compared_grid, __global const ulong* compared_bricks,
-                           __global const uint* compared_first_of_brick, __global const uint* compared_block_start,
-                           __global const float* compared_blocks) {
+                           RAY_SHARE_PARAMETERS, __global const AbufferGrid* compared_grid,
+                           __global const ulong* compared_bricks, __global const uint* compared_first_of_brick,
+                           __global const uint* compared_block_start, __global const float* compared_blocks) {
   COMPARED_CONTEXT(context);
-  const uint count = min(counter[counter_index], capacity);
-  const uint first = ((uint)get_global_id(0) + slice_base) * COMPARED_CHUNK;
-  for (uint i = first; i < min(first + COMPARED_CHUNK, count); ++i) {
+  RAY_SHARE(share);
+  for (uint i = share.first; i < share.end; ++i) {
     const Ray ray = rays[i];
     Hit best = {fmin(ray.direction.w, MAXFLOAT), LUCARIUM_NO_HIT, 0.0f, 0.0f};
     AbufferRay r;

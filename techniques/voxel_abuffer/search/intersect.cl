@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest and any hit of a buffer of rays. A work-item owns ABUFFER_CHUNK consecutive rays; the number of rays is read
-// from a device counter. Compiled with ABUFFER_WITH_EXACT where there are triangles for exact search, and
+// Closest and any hit of a buffer of rays. A work-item has a share of the batch; the number of rays is read from
+// a device counter. Compiled with ABUFFER_WITH_EXACT where there are triangles for exact search, and
 // ABUFFER_WITH_PARITY (ABUFFER_STEPS: 0 for 2D-DDA, else 3 or 1, or ABUFFER_PLANES; ABUFFER_UNREFINED, ABUFFER_STORED)
 // where there are those for parity. ABUFFER_COUNT_WORK: with counts (search/work_counts.clh).
+#include "lucarium/services/ray_shares/ray_shares.clh"
 #include "voxel_abuffer/search/exact_flights.clh"
 #include "voxel_abuffer/search/fragment_attributes.clh"  // not under a condition: files are included once
 #ifndef ABUFFER_STEPS
@@ -12,10 +13,6 @@
 #include "voxel_abuffer/search/plane_columns.clh"
 #else
 #include "voxel_abuffer/search/parity_flights.clh"
-#endif
-
-#ifndef ABUFFER_CHUNK
-#define ABUFFER_CHUNK 1024u
 #endif
 
 #ifdef BVH_ALPHA
@@ -108,26 +105,26 @@ static void abuffer_trace_plane_chunk(const AbufferContext* context, const Abuff
     abuffer_land(&queue, i, best, any);
   }
 }
-#define ABUFFER_TRACE_PARITY(hits, occluded, any)                  \
-  {                                                                \
-    const AbufferQueue queue = {rays, hits, occluded, first, end}; \
-    abuffer_trace_plane_chunk(&context, queue, ends, any);         \
+#define ABUFFER_TRACE_PARITY(hits, occluded, any)                              \
+  {                                                                            \
+    const AbufferQueue queue = {rays, hits, occluded, share.first, share.end}; \
+    abuffer_trace_plane_chunk(&context, queue, ends, any);                     \
   }
 #elif defined(ABUFFER_WITH_PARITY)
-#define ABUFFER_TRACE_PARITY(hits, occluded, any)                                \
-  {                                                                              \
-    const AbufferParityQueue queue = {{rays, hits, occluded, first, end}, ends}; \
-    abuffer_trace_parity_flights(&context, queue, any);                          \
+#define ABUFFER_TRACE_PARITY(hits, occluded, any)                                            \
+  {                                                                                          \
+    const AbufferParityQueue queue = {{rays, hits, occluded, share.first, share.end}, ends}; \
+    abuffer_trace_parity_flights(&context, queue, any);                                      \
   }
 #else
 #define ABUFFER_TRACE_PARITY(hits, occluded, any)
 #endif
 
 #ifdef ABUFFER_WITH_EXACT
-#define ABUFFER_TRACE_EXACT(hits, occluded, any)                   \
-  {                                                                \
-    const AbufferQueue queue = {rays, hits, occluded, first, end}; \
-    abuffer_trace_flights(&context, queue, any);                   \
+#define ABUFFER_TRACE_EXACT(hits, occluded, any)                               \
+  {                                                                            \
+    const AbufferQueue queue = {rays, hits, occluded, share.first, share.end}; \
+    abuffer_trace_flights(&context, queue, any);                               \
   }
 #else
 #define ABUFFER_TRACE_EXACT(hits, occluded, any)
@@ -135,11 +132,11 @@ static void abuffer_trace_plane_chunk(const AbufferContext* context, const Abuff
 
 // A scene without triangles compiles neither: all rays miss.
 #if !defined(ABUFFER_WITH_EXACT) && !defined(ABUFFER_WITH_PARITY)
-#define ABUFFER_TRACE(hits, occluded, any)                         \
-  for (uint i = first; i < end; ++i) {                             \
-    const Hit miss = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};      \
-    const AbufferQueue queue = {rays, hits, occluded, first, end}; \
-    abuffer_land(&queue, i, miss, any);                            \
+#define ABUFFER_TRACE(hits, occluded, any)                                     \
+  for (uint i = share.first; i < share.end; ++i) {                             \
+    const Hit miss = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};                  \
+    const AbufferQueue queue = {rays, hits, occluded, share.first, share.end}; \
+    abuffer_land(&queue, i, miss, any);                                        \
   }
 #else
 #define ABUFFER_TRACE(hits, occluded, any) \
@@ -147,21 +144,17 @@ static void abuffer_trace_plane_chunk(const AbufferContext* context, const Abuff
 #endif
 
 __kernel void abuffer_closest(ABUFFER_SCENE_PARAMETERS __global const Ray* rays, __global Hit* hits,
-                              __global const uint* counter, uint counter_index, uint capacity, uint slice_base,
-                              ABUFFER_PARAMETERS) {
+                              RAY_SHARE_PARAMETERS, ABUFFER_PARAMETERS) {
   ABUFFER_CONTEXT(context);
-  const uint first = ((uint)get_global_id(0) + slice_base) * ABUFFER_CHUNK;
-  const uint end = min(first + ABUFFER_CHUNK, min(counter[counter_index], capacity));
+  RAY_SHARE(share);
   ABUFFER_TRACE(hits, 0, false)
   ABUFFER_END_WORK(context);
 }
 
 __kernel void abuffer_any(ABUFFER_SCENE_PARAMETERS __global const Ray* rays, __global uint* occluded,
-                          __global const uint* counter, uint counter_index, uint capacity, uint slice_base,
-                          ABUFFER_PARAMETERS) {
+                          RAY_SHARE_PARAMETERS, ABUFFER_PARAMETERS) {
   ABUFFER_CONTEXT(context);
-  const uint first = ((uint)get_global_id(0) + slice_base) * ABUFFER_CHUNK;
-  const uint end = min(first + ABUFFER_CHUNK, min(counter[counter_index], capacity));
+  RAY_SHARE(share);
   ABUFFER_TRACE(0, occluded, true)
   ABUFFER_END_WORK(context);
 }

@@ -1,29 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-
+#include "lucarium/services/ray_shares/ray_shares.h"
 #include "voxel_abuffer/structure/state.h"
 
 namespace lucarium::abuffer {
 
-namespace {
-
-constexpr size_t rays_per_item = 1024;   // ABUFFER_CHUNK
-constexpr size_t slice_rays = 1u << 15;  // per compute unit, between two looks at the cancel flag
-
-}  // namespace
-
 void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
                                  const RayBuffers& rays, const char* result_name, const BufferRef& result) const {
-  const size_t items = std::max<size_t>(1, (size_t{rays.capacity} + rays_per_item - 1) / rays_per_item);
   PassBuilder pass = recorder.pass(pass_name, search_program, kernel);
-  pass.global(items)
-      .local(1)
-      .slice(slice_rays * std::max(1u, device->info().compute_units) / rays_per_item)
-      .arg("rays", rays.rays)
+  trace_by_shares(pass, rays, *device);
+  pass.arg("rays", rays.rays)
       .arg(result_name, result)
-      .arg("counter", rays.counter)
-      .arg("counter_index", rays.counter_index)
-      .arg("capacity", rays.capacity)
       .arg("abuffer_grid", grid_buffer)
       .arg("abuffer_bricks", bricks)
       .arg("abuffer_voxels", voxels)

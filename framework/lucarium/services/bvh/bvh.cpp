@@ -12,6 +12,7 @@
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/moving_parts.h"
 #include "lucarium/services/bvh/two_level_bvh.h"
+#include "lucarium/services/ray_shares/ray_shares.h"
 
 namespace lucarium {
 
@@ -19,11 +20,11 @@ namespace {
 
 constexpr uint32_t minimum_stack = 128;  // so that most scenes share one compiled program
 constexpr size_t slice_rays = 1u << 15;  // per compute unit, between two looks at the cancel flag
+constexpr size_t scalar_local_size = 64;
 
 struct TraversalShape {
   int width, leaf_size;
-  uint32_t rays_per_item;
-  size_t local_size;
+  bool shares;  // runs of rays per work-item, else one ray
 };
 
 struct NamedTraversal {
@@ -44,10 +45,10 @@ bool is_portable(BvhTraversal traversal) {
 
 TraversalShape shape_of(BvhTraversal traversal) {
   switch (traversal) {
-    case BvhTraversal::scalar: return {4, 4, 1, 64};
+    case BvhTraversal::scalar: return {4, 4, false};
     case BvhTraversal::wide_8:
-    case BvhTraversal::wide_8_portable: return {8, 4, 1024, 1};
-    default: return {16, 8, 1024, 1};
+    case BvhTraversal::wide_8_portable: return {8, 4, true};
+    default: return {16, 8, true};
   }
 }
 
@@ -211,8 +212,7 @@ void Bvh::State::compile() {
   ProgramSpec spec{.name = "services/bvh", .files = {"lucarium/services/bvh/intersect.cl"}};
   spec.defines = {{"BVH_WIDTH", std::to_string(shape.width)},
                   {"BVH_LEAF", std::to_string(shape.leaf_size)},
-                  {"BVH_STACK", std::to_string(stack)},
-                  {"BVH_CHUNK", std::to_string(shape.rays_per_item)}};
+                  {"BVH_STACK", std::to_string(stack)}};
   if (is_portable(traversal)) spec.defines["BVH_PORTABLE"] = "";
   if (alpha) spec.defines["BVH_ALPHA"] = "";
   // Watertight edge functions must round both products alike: no contraction but where the source asks for it.
@@ -225,18 +225,17 @@ void Bvh::State::compile() {
 
 void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
                         const RayBuffers& rays, const char* result_name, const BufferRef& result) const {
-  const size_t items = std::max<size_t>(1, (size_t{rays.capacity} + shape.rays_per_item - 1) / shape.rays_per_item);
   PassBuilder pass = recorder.pass(pass_name, program, kernel);
-  pass.global(items)
-      .local(shape.local_size)
-      .slice(slice_rays * std::max(1u, device->info().compute_units) / shape.rays_per_item)
-      .arg("rays", rays.rays)
-      .arg(result_name, result)
-      .arg("counter", rays.counter)
-      .arg("counter_index", rays.counter_index)
-      .arg("capacity", rays.capacity)
-      .arg("bvh_nodes", nodes)
-      .arg("bvh_blocks", blocks);
+  if (shape.shares)
+    trace_by_shares(pass, rays, *device);
+  else
+    pass.global(std::max<size_t>(1, rays.capacity))
+        .local(scalar_local_size)
+        .slice(slice_rays * std::max(1u, device->info().compute_units))
+        .arg("counter", rays.counter)
+        .arg("counter_index", rays.counter_index)
+        .arg("capacity", rays.capacity);
+  pass.arg("rays", rays.rays).arg(result_name, result).arg("bvh_nodes", nodes).arg("bvh_blocks", blocks);
   if (program_alpha) scene->bind(pass);
 }
 
