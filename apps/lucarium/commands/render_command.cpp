@@ -191,8 +191,9 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
   if (frames && scene.animations.empty() && !scene.camera_path)
     log_warning("{} has no animation: all frames show the same", arguments.scene);
   // A path that has no view at one of the frames is refused before the first is rendered.
-  for (int frame = frames ? frames->first : 0; frames && scene.camera_path && frame <= frames->last; ++frame)
-    camera_on_path(*scene.camera_path, frame / arguments.frames_per_second);
+  if (frames && scene.camera_path)
+    for (int frame = frames->first; frame <= frames->last; ++frame)
+      camera_on_path(*scene.camera_path, frame / arguments.frames_per_second);
   RenderSettings settings = arguments.settings;
   settings.camera = scene.cameras.front();
   if (state) arguments.state.apply_to(settings, *state);
