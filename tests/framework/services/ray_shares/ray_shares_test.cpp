@@ -24,7 +24,7 @@ struct Traced {
   std::vector<uint32_t> times, items;  ///< per ray: how often, by which work-item
 };
 
-/// Of a batch with room for `capacity` rays, of which the counter tells `count`.
+/// Of a batch with room for `capacity` rays, of which `count` are there by the counter.
 Traced trace_shares(uint32_t capacity, uint32_t count) {
   const std::shared_ptr<Device> device = test_device();
   KernelScheduler scheduler(device);
