@@ -14,21 +14,23 @@ namespace lucarium::bench {
 namespace {
 
 /// Spreads the process's threads, the driver's included, over the first `count` processors it may use, in turns, so
-/// that workers started one after the other stand on different ones. Where that is all of them, threads are free: those
-/// that a contestant starts would all stand where the one stands that starts them.
+/// that workers started one after the other stand on different ones. Where that is all of them, threads are free then:
+/// those that a contestant starts would all stand where the one stands that starts them. Without the spread before
+/// that, threads that stood on one processor together share it for the whole of a short contest.
 void pin(const std::vector<int>& cpus, unsigned count) {
   std::vector<int> threads;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task"))
     threads.push_back(std::stoi(entry.path().filename().string()));
   std::sort(threads.begin(), threads.end());
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (const int cpu : cpus) CPU_SET(cpu, &all);
   for (size_t i = 0; i < threads.size(); ++i) {
     cpu_set_t chosen;
     CPU_ZERO(&chosen);
-    if (count >= cpus.size())
-      for (const int cpu : cpus) CPU_SET(cpu, &chosen);
-    else
-      CPU_SET(cpus[i % count], &chosen);
+    CPU_SET(cpus[i % std::min<size_t>(count, cpus.size())], &chosen);
     sched_setaffinity(threads[i], sizeof(chosen), &chosen);
+    if (count >= cpus.size()) sched_setaffinity(threads[i], sizeof(all), &all);
   }
 }
 
