@@ -7,6 +7,11 @@
 #define LUCARIUM_LIGHT_PATHS_DIFFUSE 1u       // diffuse lobes alone; a path ends where there is none
 #define LUCARIUM_LIGHT_PATHS_OPAQUE_BLEND 2u  // BLEND surfaces count as opaque
 
+// Keys by which first rays are ordered: their bits, those of the light in front of the direction's, and the last one.
+#define LIGHT_FIRST_KEY_BITS 16u
+#define LIGHT_FIRST_KEY_LIGHT_BITS 4u
+#define LIGHT_FIRST_KEY_LAST 0xffffu
+
 LUCARIUM_STRUCT_BEGIN(LightPathRules)
 uint count;           // paths of a run
 uint flags;           // LUCARIUM_LIGHT_PATHS_*

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Candidates per second and processor; rays of light paths beside the hierarchy alone; two threads beside one.
+// Candidates per second and processor; two threads beside one.
 #include <algorithm>
 #include <random>
 
@@ -60,29 +60,6 @@ void measure_threads(Bars& bars, const Effort& effort) {
 }
 
 }  // namespace
-
-void measure_light_rays(Bars& bars, const Effort& effort) {
-  const auto session = make_session("bidirectional_vpl", make_lit_room(), 64,
-                                    {{"strategy", "vpl"}, {"light_paths", "262144"}, {"adapt", "off"}}, 4);
-  session->run({.iterations = 1});
-  std::vector<double> traced, whole;
-  for (int round = 0; round < effort.rounds; ++round) {
-    session->scheduler().reset_profile();
-    session->run({.iterations = 1});
-    double closest = 0, all = 0;
-    for (const PassProfile& pass : session->scheduler().profile().passes) {
-      if (pass.schedule != "light paths") continue;
-      if (pass.name == "trace light paths") closest += pass.device_seconds;
-      for (const char* part : {"emit light paths", "trace light paths", "vertices of light paths"})
-        if (pass.name == part) all += pass.device_seconds;
-    }
-    traced.push_back(closest);
-    whole.push_back(all);
-  }
-  bars.note("light paths of 262 144, an iteration's rays", 1e3 * median(traced), "ms");
-  bars.note("light paths of 262 144, an iteration's rays and vertices", 1e3 * median(whole), "ms");
-  bars.add("rate of light paths' rays over that of the hierarchy alone", 0.8, 0.95, median_ratio(traced, whole));
-}
 
 void measure_rates(Bars& bars, const Effort& effort) {
   measure_candidates(bars, effort);

@@ -2,6 +2,7 @@
 // Starts of eight light paths at once are to the last bit those of one at a time.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "device_fixture.h"
@@ -63,11 +64,13 @@ Scene lit_scene() {
 struct Started {
   std::vector<Ray> rays;
   std::vector<LightPathState> states;
+  std::vector<uint32_t> keys, order;
 };
 
 Started start(const SceneBuffers& buffers, const Program& program, uint32_t kinds) {
   const auto rays = test_buffer<Ray>(kPaths);
   const auto states = test_buffer<LightPathState>(kPaths);
+  const auto keys = test_buffer<uint32_t>(kPaths), order = test_buffer<uint32_t>(kPaths);
   LightPathRules rules{};
   rules.count = kPaths;
   rules.kinds = kinds;
@@ -79,8 +82,9 @@ Started start(const SceneBuffers& buffers, const Program& program, uint32_t kind
     buffers.bind(pass);
     pass.arg("rules", rules).arg("base", 8u * 1000u).arg("count", kPaths).arg("frame", 2u).arg("seed", 7u);
     pass.arg("rays", rays).arg("states", states).arg("slice_base", 0u);
+    pass.arg("ordered", 1u).arg("keys", keys).arg("order", order);
   });
-  return {rays.download(), states.download()};
+  return {rays.download(), states.download(), keys.download(), order.download()};
 }
 
 template <typename T>
@@ -113,4 +117,40 @@ TEST_CASE("light paths start eight at once with the bits of one at a time") {
       CHECK((black > 0) == (kinds != all));
     }
   }
+}
+
+TEST_CASE("keys of first rays bring those of one place and nearby directions together, others behind them") {
+  const Scene scene = lit_scene();
+  const SceneBuffers buffers(*test_device(), scene);
+  const std::vector<Light> lights = buffers.scene_lights.download();
+  const Started all = start(buffers, program({{"EIGHT", ""}}), 31);
+  const auto at_place = [&](uint32_t i) {
+    const uint32_t kind = lights[all.states[i].light].kind;
+    return i < kPaths / 8 * 8 && (kind == LUCARIUM_LIGHT_POINT || kind == LUCARIUM_LIGHT_SPOT);
+  };
+  int otherwise = 0, places = 0;
+  for (uint32_t i = 0; i < kPaths; ++i) {
+    otherwise += all.order[i] != i;
+    if (!at_place(i)) otherwise += all.keys[i] != LIGHT_FIRST_KEY_LAST;
+    places += at_place(i);
+  }
+  CHECK(otherwise == 0);
+  CHECK(places > 1000);
+  std::vector<uint32_t> order = all.order;
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return all.keys[a] < all.keys[b]; });
+  int pairs = 0, of_lights = 0;
+  double cosines = 0;
+  for (uint32_t k = 1; k < kPaths; ++k) {
+    const uint32_t a = order[k - 1], b = order[k];
+    if (!at_place(a) || !at_place(b)) continue;
+    const float4 u = all.rays[a].direction, v = all.rays[b].direction;
+    if (all.states[a].light != all.states[b].light) {
+      ++of_lights;
+      continue;
+    }
+    cosines += double{u.x * v.x + u.y * v.y + u.z * v.z};
+    ++pairs;
+  }
+  CHECK(of_lights <= 3);
+  CHECK(cosines / pairs > 0.96);
 }

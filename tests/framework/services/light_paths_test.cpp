@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "device_fixture.h"
@@ -120,6 +121,22 @@ TEST_CASE("many light paths, which are traced in batches, are all different and 
     CHECK(repeated == 0);
     CHECK(absent == 0);
   }
+}
+
+TEST_CASE("light paths whose first rays are traced in another order are the same") {
+  Scene scene = empty_scene();
+  add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, lambert(0.5f)));
+  add_light(scene, LightType::point, 2, {0.3f, 0.2f, -0.4f}, {0, -1, 0});
+  add_light(scene, LightType::point, 3, {-0.3f, 0.2f, 0.4f}, {0, -1, 0});
+  add_triangles(scene, {{0, 0, 0}, {0.3f, 0, 0}, {0, 0.3f, 0}}, add_material(scene, emitter(3)));
+  Rig rig(std::move(scene));
+  const uint32_t many = (1 << 18) + 4099;  // one batch, and a short one
+  CHECK(FirstRays::pays(rig.buffers, rig.bvh, many, 31));
+  CHECK_FALSE(FirstRays::pays(rig.buffers, rig.bvh, 1 << 12, 31));
+  CHECK_FALSE(FirstRays::pays(rig.buffers, rig.bvh, many, 1 << LUCARIUM_LIGHT_TRIANGLE));
+  const std::vector<VirtualLight> ordered = rig.trace({.paths = many, .vertices = 2}),
+                                  numbered = rig.trace({.paths = many, .vertices = 2, .order = false});
+  CHECK(std::memcmp(ordered.data(), numbered.data(), ordered.size() * sizeof ordered[0]) == 0);
 }
 
 TEST_CASE("light leaves a ball of glass with what absorption and Fresnel leave, and none of it from a point light") {

@@ -19,7 +19,11 @@ constexpr size_t kItemsPerGroup = 16;
 constexpr uint32_t kPathsPerBatch = 1 << 14, kMaxBatches = 16;
 constexpr uint32_t kCountChunk = 1 << 12;
 
-uint32_t batch_of(uint32_t paths) {
+// Where their first rays are put into an order, which pays the more the more of them there are.
+constexpr uint32_t kPathsPerOrderedBatch = 1 << 18;
+
+uint32_t batch_of(uint32_t paths, bool ordered) {
+  if (ordered) return std::min(paths, kPathsPerOrderedBatch);
   const uint32_t least = (paths + kMaxBatches - 1) / kMaxBatches;
   return std::min(paths, std::max(kPathsPerBatch, (least + 7) / 8 * 8));
 }
@@ -46,9 +50,12 @@ LightPaths::LightPaths(Device& device, const SceneBuffers& scene, const Intersec
       scene_(scene),
       intersector_(intersector),
       options_(options),
-      batch_(batch_of(options.paths)),
+      ordered_(options.order && FirstRays::pays(scene, intersector, options.paths, options.kinds)),
+      batch_(batch_of(options.paths, ordered_)),
       count_(device, owner, "number of light paths", std::vector<uint32_t>{batch_, options.paths % batch_}),
-      ray_counts_(device, owner, "rays of light paths, counted", std::vector<uint32_t>{0, 0}) {}
+      ray_counts_(device, owner, "rays of light paths, counted", std::vector<uint32_t>{0, 0}) {
+  if (ordered_) first_rays_.emplace(device);
+}
 
 void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
                         const Program& program, const Bind& bind, const Bind& bind_emission,
@@ -58,7 +65,8 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
       recorder.transient<Ray>("rays of light paths", batch_, options_.remedy),
       recorder.transient<Hit>("hits of light paths", batch_, options_.remedy),
       transient_ray_ends(recorder, intersector_, "ends of rays of light paths", batch_, options_.remedy),
-      recorder.transient<LightPathState>("light paths", batch_, options_.remedy)};
+      recorder.transient<LightPathState>("light paths", batch_, options_.remedy),
+      FirstRays::keys(recorder, first_rays_ && !first_hits ? batch_ : 1, options_.remedy)};
   for (uint32_t base = 0; base < options_.paths; base += batch_)
     record_batch(recorder, base, of, run, seed, program, bind, bind_emission, first_hits);
 }
@@ -80,13 +88,19 @@ void LightPaths::record_batch(ScheduleRecorder& recorder, uint32_t base, const T
       .arg("seed", seed)
       .arg("rays", of.rays)
       .arg_if_present("ends", of.ends)
-      .arg("states", of.states);
+      .arg("states", of.states)
+      .arg("ordered", first_rays_ && !first_hits ? 1u : 0u)
+      .arg("keys", of.keys.keys)
+      .arg("order", of.keys.order);
   if (bind_emission) bind_emission(emit);
   for (uint32_t number = 0; number < options_.vertices; ++number) {
     const RayBuffers edges{of.rays, count_, paths == batch_ ? 0u : 1u, paths, of.ends};
     BufferRef traced = of.rays;
     if (number == 0 && first_hits)
       traced = first_hits(recorder, edges, of.states, of.hits);
+    else if (number == 0 && first_rays_)
+      first_rays_->record(recorder, "first rays of light paths", intersector_, edges, of.keys, of.hits,
+                          options_.remedy);
     else
       intersector_.record_closest(recorder, "trace light paths", edges, of.hits);
     if (options_.count_rays)
@@ -135,7 +149,12 @@ void LightPaths::record_virtual_lights(ScheduleRecorder& recorder, const Variabl
 }
 
 size_t LightPaths::estimate_bytes(uint32_t paths) {
-  return size_t{batch_of(paths)} * (sizeof(Ray) + sizeof(Hit) + sizeof(LightPathState));
+  const auto bytes_of = [](uint32_t batch) {
+    return size_t{batch} * (sizeof(Ray) + sizeof(Hit) + sizeof(LightPathState));
+  };
+  if (paths < FirstRays::kFewest) return bytes_of(batch_of(paths, false));
+  const uint32_t ordered = batch_of(paths, true);
+  return std::max(bytes_of(batch_of(paths, false)), bytes_of(ordered) + FirstRays::estimate_bytes(ordered));
 }
 
 }  // namespace lucarium

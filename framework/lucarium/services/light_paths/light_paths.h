@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/services/intersector.h"
+#include "lucarium/services/light_paths/first_rays.h"
 #include "lucarium/shared/light_path.h"
 
 namespace lucarium {
@@ -17,6 +19,7 @@ struct LightPathOptions {
   bool opaque_blend = false;             ///< BLEND surfaces count as opaque
   uint32_t kinds = 31;                   ///< which lights, bits 1 << LUCARIUM_LIGHT_*
   uint32_t roulette_start = 0xffffffff;  ///< scatterings before Russian roulette; by default there is none
+  bool order = true;                     ///< trace first rays in an order where that pays; off: as paths are numbered
   bool count_rays = false;               ///< fills LightPaths::ray_counts()
   /// Samples of the strategies that programs with LUCARIUM_LIGHT_PATH_MIS weigh (path_mis.clh), 0 where one is not run:
   float hit_samples = 1, light_samples = 1, connection_samples = 1;
@@ -73,6 +76,7 @@ class LightPaths {
  private:
   struct Transients {
     BufferRef rays, hits, ends, states;
+    FirstRays::Keys keys;
   };
   void record_batch(ScheduleRecorder& recorder, uint32_t base, const Transients& of, const Variable<uint32_t>& run,
                     const Variable<uint32_t>& seed, const Program& program, const Bind& bind, const Bind& bind_emission,
@@ -82,8 +86,10 @@ class LightPaths {
   const SceneBuffers& scene_;
   const Intersector& intersector_;
   LightPathOptions options_;
-  uint32_t batch_;               ///< paths that are traced together
-  TypedBuffer<uint32_t> count_;  ///< paths of a batch and of the last, as the intersector takes them
+  bool ordered_;                         ///< where no first hits are given
+  std::optional<FirstRays> first_rays_;  ///< then
+  uint32_t batch_;                       ///< paths that are traced together
+  TypedBuffer<uint32_t> count_;          ///< paths of a batch and of the last, as the intersector takes them
   TypedBuffer<uint32_t> ray_counts_;
 };
 
