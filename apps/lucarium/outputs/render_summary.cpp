@@ -68,6 +68,7 @@ ordered_json frame_json(RenderSession& session, const Film& film, const RenderEn
   json["partial"] = film.metadata.count("partial") > 0;
   json["converged"] = session.last().converged;
   json["progress"] = session.last().progress < 0 ? ordered_json(nullptr) : ordered_json(session.last().progress);
+  json["phase"] = session.last().phase;
   json["ended_by"] = end.by;
   json["seconds_left"] = end.seconds_left ? ordered_json(*end.seconds_left) : ordered_json(nullptr);
   json["seconds"] = total_seconds;

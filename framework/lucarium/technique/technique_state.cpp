@@ -37,6 +37,12 @@ void StateReader::require_finite(const std::string& name, const float* values, s
     if (!std::isfinite(values[i])) fail(name, fmt::format("number {} of {} is not finite", i, number));
 }
 
+void StateReader::require_range(const std::string& name, const float* values, size_t number, double largest) const {
+  for (size_t i = 0; i < number; ++i)
+    if (!(values[i] >= 0) || double{values[i]} > largest)
+      fail(name, fmt::format("number {} of {} is {:g}, not from 0 to {:g}", i, number, values[i], largest));
+}
+
 uint64_t saved_texels(const StateReader& state) {
   const auto texels = state.get_value<uint64_t>("texels");
   if (texels == 0 || texels > kMaxAtlasTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));

@@ -78,6 +78,14 @@ class StateReader {
   void get_finite_buffer(const std::string& name, TypedBuffer<T>& buffer) const {
     buffer.upload(get_finite<T>(name, buffer.count()));
   }
+  /// The same, with all floats from 0 to `largest`: light.
+  template <class T>
+  void get_light_buffer(const std::string& name, TypedBuffer<T>& buffer, double largest) const {
+    const std::vector<T> values = get_finite<T>(name, buffer.count());
+    require_range(name, reinterpret_cast<const float*>(values.data()), values.size() * (sizeof(T) / sizeof(float)),
+                  largest);
+    buffer.upload(values);
+  }
   /// Throws Error{input}: the chunk holds `what` ("the index 9 of 4 tiles").
   [[noreturn]] void fail(const std::string& name, const std::string& what) const;
 
@@ -91,6 +99,7 @@ class StateReader {
   uint64_t checked_count(const std::string& name, size_t bytes) const;
   void require_count(const std::string& name, size_t bytes, uint64_t expected) const;
   void require_finite(const std::string& name, const float* values, size_t number) const;
+  void require_range(const std::string& name, const float* values, size_t number, double largest) const;
 };
 
 /// The chunk "texels": texels of the atlas that saved light belongs to. Throws Error{input} where there can be no such

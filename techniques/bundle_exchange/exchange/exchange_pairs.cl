@@ -5,6 +5,7 @@
 // accessible its own part of the texel is. Ends of rays see the environment. A side that does not reflect (the back of
 // a single-sided surface) sends nothing, but what sees it has seen black: that counts.
 #include "bundle_exchange/base/exchange_layout.clh"
+#include "lucarium/services/texel_sides/bundle_sheets.clh"
 #include "lucarium/services/texel_sides/side_parts.clh"
 
 typedef struct Exchange {
@@ -16,6 +17,7 @@ typedef struct Exchange {
   float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
   float weight;                // w of exchange_layout.clh
   uint double_sided;           // texels that have a back
+  BundleSheets sheets;
 #ifdef SIDE_HALVES
   const __global uint* covered;  // which parts belong to the covered half of their side
   uint sides;                    // records of covered halves begin behind those of so many open ones
@@ -100,8 +102,9 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
 // ends: radiance that enters along omega, and along -omega.
 __kernel void exchange_pairs(LAYERED_TILE_PARAMETERS EXCHANGE_HALVES_PARAMETER AtlasInfo atlas_info,
                              __global const AtlasTriangle* atlas_triangles, __global const uint* atlas_table,
-                             __global const uint* accessibility, __global const float2* interior, float weight,
-                             __global const float4* ends, __global float4* records) {
+                             __global const SurfacePoint* atlas_points, __global const uint* accessibility,
+                             __global const float2* interior, float weight, __global const float4* ends,
+                             __global float4* records) {
   Exchange exchange;
   exchange.atlas_triangles = atlas_triangles;
   exchange.atlas_table = atlas_table;
@@ -112,6 +115,7 @@ __kernel void exchange_pairs(LAYERED_TILE_PARAMETERS EXCHANGE_HALVES_PARAMETER A
   exchange.from_far = ends[1].xyz;
   exchange.weight = weight;
   exchange.double_sided = atlas_info.double_sided_count;
+  exchange.sheets = bundle_sheets(atlas_points, layered_views + layered_view);
 #ifdef SIDE_HALVES
   exchange.covered = covered;
   exchange.sides = atlas_info.texel_count;

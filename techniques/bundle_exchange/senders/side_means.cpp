@@ -327,9 +327,10 @@ void SideMeans::save(StateWriter& chunks) const {
 }
 
 void SideMeans::load(const StateReader& chunks) {
-  chunks.get_finite_buffer("shown", shown_);
-  chunks.get_finite_buffer("shown_direct", shown_direct_);
-  chunks.get_finite_buffer("radiance", radiance_);
+  constexpr double any = std::numeric_limits<float>::max();
+  chunks.get_light_buffer("shown", shown_, any);
+  chunks.get_light_buffer("shown_direct", shown_direct_, any);
+  chunks.get_light_buffer("radiance", radiance_, any);
   if (halves_.two()) chunks.get_buffer("covered", halves_.covered);
   const std::vector<uint64_t> progress = chunks.get<uint64_t>("progress", 4);
   directions_ = progress[0], batches_ = progress[1], head_batches_ = progress[2], reflected_end_ = progress[3];

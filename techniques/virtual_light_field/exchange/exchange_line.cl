@@ -218,9 +218,8 @@ LUCARIUM_FLATTEN void kept_ray_ends(Exchange* exchange, uint2 pixel, uint end) {
 #endif
 #ifdef FIELD_POINTS
 // coarse: sums of cells from info.first_coarse on.
-#define EXCHANGE_POINTS_PARAMETERS                                                                        \
-  __global const FieldLine *lines, __global const uint *nodes, __global const SurfacePoint *atlas_points, \
-      uint cellwise, __global uint *coarse,
+#define EXCHANGE_POINTS_PARAMETERS \
+  __global const FieldLine *lines, __global const uint *nodes, uint cellwise, __global uint *coarse,
 #define EXCHANGE_SET_SUMS(exchange)                                                                \
   const LightField field = {info, lines, nodes, 0, maps, tile_cells, inverse_scale, 0u};           \
   const PerturbedLine perturbed = {field,                                                          \
@@ -270,6 +269,7 @@ LUCARIUM_FLATTEN void kept_ray_ends(Exchange* exchange, uint2 pixel, uint end) {
 __kernel LUCARIUM_FLATTEN void exchange_line(LAYERED_TILE_PARAMETERS EXCHANGE_PARAMETERS) {
   Exchange exchange;
   EXCHANGE_SET(&exchange);
+  exchange.sheets = bundle_sheets(atlas_points, layered_views + layered_view);
   LAYERED_RUN_TILES(&exchange);
 }
 

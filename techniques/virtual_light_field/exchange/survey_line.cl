@@ -78,6 +78,7 @@ __kernel void survey_line(LAYERED_TILE_PARAMETERS LINE_ROWS_PARAMETERS, uint coa
                           __global const uint* side_facet, __global float* distances, __global uint* cell_side) {
   Survey survey;
   SURVEY_SET(&survey);
+  survey.sheets = bundle_sheets(atlas_points, layered_views + layered_view);
   LAYERED_RUN_TILES(&survey);
 }
 

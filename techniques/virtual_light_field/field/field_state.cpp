@@ -33,10 +33,16 @@ void LightField::load(const StateReader& chunks) {
   const auto saved = chunks.get_value<SavedField>("field");
   if (saved.cells != maps_.cells())
     chunks.fail("field", fmt::format("{} cells, and the scene has {}", saved.cells, maps_.cells()));
-  if (!(saved.scale > 0) || !std::isfinite(saved.scale)) chunks.fail("field", fmt::format("the scale {}", saved.scale));
-  chunks.get_finite_buffer("sides.direct", shown_direct_);
-  chunks.get_finite_buffer("sides.indirect", shown_);
-  chunks.get_finite_buffer("sides.held", held_);
+  int exponent = 0;
+  if (!(saved.scale >= 1 / kMaxScale && saved.scale <= kMaxScale) || std::frexp(saved.scale, &exponent) != 0.5f)
+    chunks.fail("field", fmt::format("the scale {}", saved.scale));
+  if (saved.shown_sweeps == 0) chunks.fail("field", "no sweep that is shown");
+  // No sweep brings more than the brightest sender has, kMaxStored over the scale, nor the tail more than 999 of them;
+  // sixteen times as much is no light of this scene.
+  const double largest = 16 * (static_cast<double>(saved.sweeps) + 1000) * double{kMaxStored} / double{saved.scale};
+  chunks.get_light_buffer("sides.direct", shown_direct_, largest);
+  chunks.get_light_buffer("sides.indirect", shown_, largest);
+  chunks.get_light_buffer("sides.held", held_, largest);
   if (halves_.two()) chunks.get_buffer("sides.covered", halves_.covered);
   if (tiled_) {
     chunks.get_buffer("cells.total", cells_.total);

@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kCellWork = 4, kSideWork = 2;  // of a cell that is scattered; of a texel side at the end of a sweep
 constexpr uint32_t kMaxSweeps = 256;
-constexpr double kMaxPeak = 1e5;   // of highlights, over diffuse light
-constexpr float kMaxStored = 256;  // stored radiance of the brightest sender; bounces add up to 255 times as much
+constexpr double kMaxPeak = 1e5;  // of highlights, over diffuse light
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
@@ -200,7 +199,7 @@ void LightField::find_scale() {
   scale_ = largest > 0 && std::isfinite(largest)
                ? static_cast<float>(std::exp2(std::floor(std::log2(kMaxStored / largest))))
                : 1;
-  scale_ = std::clamp(scale_, 0x1p-100f, 0x1p100f);
+  scale_ = std::clamp(scale_, 1 / kMaxScale, kMaxScale);
 }
 
 bool LightField::advance(double subfield_pixels) {

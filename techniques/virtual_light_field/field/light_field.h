@@ -10,6 +10,9 @@
 
 namespace lucarium::vlf {
 
+constexpr float kMaxStored = 256;      // stored radiance of the brightest sender; bounces add up to 255 times as much
+constexpr float kMaxScale = 0x1p100f;  // what radiance is stored times is from 1 / kMaxScale to this
+
 /// The light field of a scene and its propagation. Sweep s transports, along all lines, the light that was scattered
 /// exactly s times: out^(0) is emission; what a sweep has brought is scattered, and is sent in the next. Irradiance of
 /// texel sides and radiance of cells sum up over sweeps.

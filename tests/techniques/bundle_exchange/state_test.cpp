@@ -306,6 +306,7 @@ TEST_CASE("values that no exchange brings are refused: NaN, another number of te
     check_refusal([&] { loaded(saved.file, scene, quick); }, ErrorClass::input, part);
   };
   refuse([](std::vector<float4>& shown) { shown[17].y = std::nanf(""); }, "chunk 'shown': number 69 of");
+  refuse([](std::vector<float4>& shown) { shown[17].y = -1; }, "chunk 'shown': number 69 of");
   refuse([](std::vector<float4>& shown) { shown[0].w = INFINITY; }, "chunk 'shown': number 3 of");
   refuse([](std::vector<float4>& shown) { shown.pop_back(); }, "chunk 'shown': it has ");
   const SavedState saved(scene, quick);

@@ -105,6 +105,60 @@ TEST_CASE("a room of sheets is as bright drawn twice or three times as drawn onc
   }
 }
 
+TEST_CASE("a room of sheets is as bright with others in their place, turned inside out or cut into other triangles") {
+  SceneMaterial grey = test::lambert(0.6f);
+  grey.double_sided = true;
+  const auto room = [&](int cuts, bool inwards) {
+    Scene scene;
+    const int material = test::add_material(scene, grey), lamp = test::add_material(scene, test::emitter(5));
+    const glm::vec3 low(-1, 0, -1), high(1, 2, 1);
+    add_instance(scene, add_mesh(scene, MeshBuilder("walls").box(low, high).take()), material);
+    MeshBuilder others("others");
+    for (int face = 0; face < 6; ++face)
+      for (int part = 0; part < cuts * cuts; ++part) {
+        glm::vec3 from = low, to = high;
+        for (const auto& [axis, index] :
+             {std::pair{(face / 2 + 1) % 3, part % cuts}, {(face / 2 + 2) % 3, part / cuts}}) {
+          const auto at = [&](int i) { return glm::mix(low[axis], high[axis], float(i) / float(cuts)); };
+          from[axis] = at(index);
+          to[axis] = at(index + 1);
+        }
+        others.box_face(from, to, face / 2, face % 2, inwards);
+      }
+    if (cuts > 0) add_instance(scene, add_mesh(scene, std::move(others).take()), material);
+    test::add_horizontal(scene, 0, 1.9f, 0, 0.6f, 0.6f, false, lamp);
+    scene.cameras.push_back(look_at_camera("inside", {0, 1.2f, 0.8f}, {0, 0.2f, 0}, 60.f));
+    return scene;
+  };
+  const auto brightness = [&](const Scene& scene, const char* kept) {
+    return seen(scene, {{"dir_n", "5"},
+                        {"cells", "64"},
+                        {"texels", "4096"},
+                        {"camera_samples", "1"},
+                        {"eye_direct", "atlas"},
+                        {"cache_visibility", kept}});
+  };
+  const auto by_bundles = [&](const Scene& scene) {
+    const auto run = test::session(
+        scene, -1, {{"texels", "4096"}, {"directions", "512"}, {"stop_error", "0"}, {"camera_samples", "4"}},
+        "bundle_exchange");
+    run->finish_light();
+    run->run({.samples = 64});
+    return test::mean(test::indirect(*run));
+  };
+  const double once = brightness(room(0, false), "0"), bundles = by_bundles(room(0, false));
+  for (const auto& [cuts, inwards] : {std::pair{1, true}, {7, false}, {7, true}}) {
+    CAPTURE(cuts);
+    CAPTURE(inwards);
+    const double both = brightness(room(cuts, inwards), "0");
+    CHECK(both == test::relative(once, 0.015));  // 18 and 26 % were missing
+    CHECK(brightness(room(cuts, inwards), "64") == both);
+    const double both_bundles = by_bundles(room(cuts, inwards));
+    MESSAGE("indirect light by bundles: ", both_bundles / bundles);
+    CHECK(both_bundles == test::relative(bundles, 0.03));  // 31 and 44 % were missing
+  }
+}
+
 TEST_CASE("scenes of mirrors alone show the sky in them") {
   Scene scene = under_sky();
   const int material = test::add_material(scene, test::mirror());

@@ -235,11 +235,17 @@ TEST_CASE("values that no propagation brings are refused: NaN, other numbers of 
   refuse([](Values& v) { v.direct[17].y = nan; }, "chunk 'sides.direct': number 69 of");
   refuse([](Values& v) { v.indirect[0].w = infinite; }, "chunk 'sides.indirect': number 3 of");
   refuse([](Values& v) { v.held[2].x = -infinite; }, "chunk 'sides.held': number 8 of");
+  refuse([](Values& v) { v.direct[3].z = -1e30f; }, "chunk 'sides.direct': number 14 of");
+  refuse([](Values& v) { v.indirect[1].y = -1e-6f; }, "is -1e-06, not from 0 to ");
+  refuse([](Values& v) { v.held[0].x = 1e30f; }, "chunk 'sides.held': number 0 of");
   refuse([](Values& v) { v.held.pop_back(); }, "chunk 'sides.held': it has ");
   refuse([](Values& v) { v.total.push_back(0); }, "chunk 'cells.total': it has ");
   refuse([](Values& v) { v.direct_cells.clear(); }, "chunk 'cells.direct': it is missing");
   refuse([](Values& v) { v.field.scale = nan; }, "chunk 'field': the scale nan");
   refuse([](Values& v) { v.field.scale = 0; }, "chunk 'field': the scale 0");
+  refuse([](Values& v) { v.field.scale = 0.75f; }, "chunk 'field': the scale 0.75");
+  refuse([](Values& v) { v.field.scale = 0x1p101f; }, "chunk 'field': the scale 2.5");
+  refuse([](Values& v) { v.field.shown = 0; }, "chunk 'field': no sweep that is shown");
   refuse([](Values& v) { v.field.cells = 0xffffffffu; }, "chunk 'field': 4294967295 cells");
   write_state_file(file, header, false, [](StateWriter&) {});
   check_refusal([&] { loaded(file, scene, saved_field); }, ErrorClass::input, "it is missing");

@@ -2,6 +2,7 @@
 // Keeps the rays of bundles (kept_rows.clh) in one list of words: the words of each row of tiles are counted, given a
 // place where all of the view still fit, and written. How many there are depends on the last bits of floats: one kernel
 // counts and writes, so that both see the same bits.
+#include "lucarium/services/texel_sides/bundle_sheets.clh"
 #include "lucarium/shared/scene_types.h"
 #include "lucarium/shared/surface_atlas.h"
 
@@ -9,6 +10,7 @@ typedef struct KeptBundle {
   const __global AtlasTriangle* atlas_triangles;
   const __global uint* atlas_table;
   uint double_sided;
+  BundleSheets sheets;
   const __global uint* accessibility;
   const __global float2* interior;  // y: what a ray counts that meets a back
   const __global uint* covered;     // which parts belong to the covered half of their side; null: there are no halves
@@ -76,20 +78,22 @@ void layered_consume(KeptBundle* kept, const LayeredRow* row) {
 // accessibility, interior, covered: of texel sides; two_halves: whether `covered` is.
 #define KEEP_PARAMETERS                                                                                      \
   LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle *atlas_triangles,               \
-      __global const uint *atlas_table, __global const uint *accessibility, __global const float2 *interior, \
-      __global const uint *covered, uint two_halves, uint rows
-#define KEEP_SET(kept, to)                          \
-  KeptBundle kept = {atlas_triangles,               \
-                     atlas_table,                   \
-                     atlas_info.double_sided_count, \
-                     accessibility,                 \
-                     interior,                      \
-                     two_halves ? covered : 0,      \
-                     atlas_info.texel_count,        \
-                     to,                            \
-                     0u,                            \
-                     0u,                            \
-                     0u,                            \
+      __global const uint *atlas_table, __global const SurfacePoint *atlas_points,                           \
+      __global const uint *accessibility, __global const float2 *interior, __global const uint *covered,     \
+      uint two_halves, uint rows
+#define KEEP_SET(kept, to)                                                        \
+  KeptBundle kept = {atlas_triangles,                                             \
+                     atlas_table,                                                 \
+                     atlas_info.double_sided_count,                               \
+                     bundle_sheets(atlas_points, layered_views + layered_view),   \
+                     accessibility,                                               \
+                     interior,                                                    \
+                     two_halves ? covered : 0,                                    \
+                     atlas_info.texel_count,                                      \
+                     to,                                                          \
+                     0u,                                                          \
+                     0u,                                                          \
+                     0u,                                                          \
                      0u}
 
 // Work-item: one. starts: of each view rows + 1 entries, where its rows of tiles begin and end; LUCARIUM_NONE: the

@@ -2,6 +2,7 @@
 // Counts, for every part of every texel side, the rays of a bundle, those that meet backs, and those that soon meet
 // something else; with SIDE_HALVES apart those that soon meet a surface that transmits.
 #include "lucarium/math.clh"
+#include "lucarium/services/texel_sides/bundle_sheets.clh"
 #include "lucarium/services/texel_sides/side_parts.clh"
 
 typedef struct Probe {
@@ -9,6 +10,7 @@ typedef struct Probe {
   const __global uint* atlas_table;
   __global uint* counts;
   uint double_sided;
+  BundleSheets sheets;
   uint access_gap;  // shorter gaps are near, in steps of LAYERED_KEY_DEPTH
 #ifdef SIDE_HALVES
   const __global AtlasMaterial* atlas_materials;
@@ -61,12 +63,13 @@ void layered_ray_ends(Probe* probe, uint2 pixel, uint payload, bool front) {
 // access_gap [m].
 __kernel void probe_pairs(LAYERED_TILE_PARAMETERS PROBE_GLASS_PARAMETERS AtlasInfo atlas_info,
                           __global const AtlasTriangle* atlas_triangles, __global const uint* atlas_table,
-                          float access_gap, __global uint* counts) {
+                          __global const SurfacePoint* atlas_points, float access_gap, __global uint* counts) {
   Probe probe;
   probe.atlas_triangles = atlas_triangles;
   probe.atlas_table = atlas_table;
   probe.counts = counts;
   probe.double_sided = atlas_info.double_sided_count;
+  probe.sheets = bundle_sheets(atlas_points, layered_views + layered_view);
   probe.access_gap = (uint)(access_gap * layered_views[layered_view].depth_scale * 4194304.0f);
 #ifdef SIDE_HALVES
   probe.atlas_materials = atlas_materials;

@@ -63,6 +63,12 @@ TEST_CASE("the reason why a rendering ended is printed: the technique's own word
   CHECK(half["ended_by"] == "--spp");
   CHECK(half["progress"].get<double>() == test::relative(2. / 3));
   CHECK(half["seconds_left"].get<double>() > 0);
+  const json field = only_frame(run_lucarium(
+      "render builtin:cornell -t virtual_light_field:dir_n=3,cells=16,texels=512 --size 8x8 --json --quiet "
+      "--iterations 1"));
+  CHECK(field["phase"] != "walk");
+  CHECK_FALSE(field["phase"].get<std::string>().empty());
+  CHECK(field["progress"].get<double>() < 1);
 }
 
 TEST_CASE("of two budgets of time the result named both") {

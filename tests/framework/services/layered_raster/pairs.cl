@@ -5,7 +5,7 @@
 typedef struct Events {
   __global uint* sums;
   uint width, pixel;
-  uint backs;
+  uint backs, sheets;
 } Events;
 typedef struct Number {
   uint triangle;
@@ -38,8 +38,12 @@ void layered_ray_ends(Events* events, uint2 pixel, uint payload, bool front) {
   events->sums[events->pixel] += hash_uint3(3u, payload, front);
 }
 bool layered_backs_matter(const Events* events) { return events->backs; }
+bool layered_is_sheet(const Events* events, uint payload) { return events->sheets && payload % 7u != 0u; }
+bool layered_in_one_place(const Events* events, LayeredGap gap) {
+  return gap.length <= 1u && layered_is_sheet(events, gap.near) && layered_is_sheet(events, gap.far);
+}
 
-__kernel void sum_events(LAYERED_TILE_PARAMETERS uint backs, __global uint* sums) {
-  Events events = {sums, layered_views[layered_view].width, 0u, backs};
+__kernel void sum_events(LAYERED_TILE_PARAMETERS uint backs, uint sheets, __global uint* sums) {
+  Events events = {sums, layered_views[layered_view].width, 0u, backs, sheets};
   LAYERED_RUN_TILES(&events);
 }
