@@ -98,6 +98,11 @@ void KernelCompilers::want(LaunchCode code) {
   changed_.notify_all();
 }
 
+bool KernelCompilers::compiles(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  return serving_ > 0 && unfinished_.contains(id);
+}
+
 bool KernelCompilers::wait_for(const std::string& id, const std::function<bool()>& cancelled) {
   std::unique_lock lock(mutex_);
   awaited_ = id;

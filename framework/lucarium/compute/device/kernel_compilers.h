@@ -44,6 +44,8 @@ class KernelCompilers {
 
   /// Has it compiled, unless that was asked before.
   void want(LaunchCode code);
+  /// Whether it was asked and is not yet there.
+  bool compiles(const std::string& id);
   /// Waits until it is compiled, if that was asked and there is a process to do so; begins it next. False: cancelled.
   bool wait_for(const std::string& id, const std::function<bool()>& cancelled = {});
 

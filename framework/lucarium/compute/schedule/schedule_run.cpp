@@ -165,8 +165,8 @@ bool ScheduleRun::enqueue_kernel(size_t index) {
   if (options_.warm_up) {
     while (first_queued_ < record_.events.size()) wait_for_oldest();  // drivers may compile behind the enqueueing
     device_.compile_progress().launching(step(index).launch);
-    if (!wait_for_launch_code(index, global)) return false;
   }
+  if (!wait_for_launch_code(index, global)) return false;
   if (step(index).slice_items > 0) return enqueue_slices(index, global);
   const bool of_any_class = options_.warm_up && device_.info().is_pocl && step(index).counter >= 0;
   const bool as_small = !of_any_class || !large_code_serves_small_grids(device_.info());
@@ -175,12 +175,20 @@ bool ScheduleRun::enqueue_kernel(size_t index) {
   return true;
 }
 
-/// What other processes compile of a warm-up's launches. False: cancelled.
+/// What other processes compile of a step's first launch; the wait counts as compiling. False: cancelled.
 bool ScheduleRun::wait_for_launch_code(size_t index, const std::array<size_t, 3>& global) {
   KernelCompilers* compilers = device_.kernel_compilers();
-  if (!compilers) return true;
-  for (const std::array<size_t, 3>& size : {global, large_grid(step(index))})
-    if (!compilers->wait_for(launch_code_id(step(index), size), [this] { return cancelled(); })) return false;
+  if (!compilers || step(index).has_launch_code) return true;
+  for (const std::array<size_t, 3>& size : {global, large_grid(step(index))}) {
+    const std::string id = launch_code_id(step(index), size);
+    if (!compilers->compiles(id)) continue;
+    while (first_queued_ < record_.events.size()) wait_for_oldest();  // its time is not compiling
+    const Stopwatch watch;
+    const bool goes_on = compilers->wait_for(id, [this] { return cancelled(); });
+    device_.add_program_seconds(watch.seconds());
+    if (!goes_on) return false;
+  }
+  step(index).has_launch_code = true;
   return true;
 }
 

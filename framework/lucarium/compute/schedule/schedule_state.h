@@ -36,7 +36,8 @@ struct CompiledStep {
   ClKernel kernel;
   Program program;  ///< lives as long: of launch code that is made later, the cache hears from programs that live
   std::string kernel_name;
-  std::string launch;  ///< program, kernel and work-group size, for CompileProgress
+  std::string launch;            ///< program, kernel and work-group size, for CompileProgress
+  bool has_launch_code = false;  ///< no other process compiles it any more
   std::array<size_t, 3> global = {0, 1, 1}, local = {1, 1, 1};
   int counter = -1;  ///< counter value that decides global[0], or that a counter read fetches
   double items_per_count = 1;

@@ -121,3 +121,25 @@ TEST_CASE("a pass that a counter sizes is compiled once, for large grids") {
   REQUIRE(made.size() == 1);
   CHECK(has(*made.begin(), "-goffs0/"));
 }
+
+TEST_CASE("a first run waits for what another process compiles, and counts that as compiling") {
+  const auto device = device_with_compilers();
+  if (!device) return;
+  const Program program = build_squares(*device, "11");
+  KernelScheduler scheduler(device);
+  const TypedBuffer<uint32_t> values(*device, "test", "values", 64);
+  ScheduleRecorder recorder = scheduler.record("squares", "test");
+  recorder.pass("squares", program, "squares").global(64).arg("v", values).arg("factor", 2u);
+  const std::set<std::string> known = launch_code("squares");
+  Schedule schedule = recorder.compile();
+  const double built = device->program_seconds();
+  scheduler.run(schedule);
+  scheduler.finish();
+  CHECK(values.download()[3] == 3u * 3u * 2u * 11u);
+  CHECK(launch_code("squares", known).size() == 1);
+  const double first = device->program_seconds();
+  CHECK(first > built);
+  scheduler.run(schedule);
+  scheduler.finish();
+  CHECK(device->program_seconds() == first);
+}
