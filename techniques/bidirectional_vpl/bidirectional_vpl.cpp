@@ -109,6 +109,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     std::map<std::string, double> all = parts_->counters();
     for (const auto& [name, count] : counted_before_) all[name] += count;
     if (guide_) all["guide_photons"] = guide_->collected();
+    all.insert(trials_counted_.begin(), trials_counted_.end());
     if (!adapted_) return all;
     const Plan plan = make_plan(parameters_, settings(), effort_);
     all["adapted_light_paths"] = plan.light_vertices > 0 ? 1 : 0;
@@ -143,6 +144,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   void restart() override {
     // As a new image begins.
     counted_before_.clear();
+    trials_counted_.clear();
     trials_.reset();
     adapted_ = false;
     adapts_after_ = UINT64_MAX;
@@ -209,6 +211,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
       kept_.clear();
       return true;
     }
+    trials_counted_ = trials_->counted();
     if (!trials_->best()) return true;
     const Effort best = *trials_->best();
     trials_.reset();
@@ -227,7 +230,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   Effort effort_;                   ///< of parts_
   uint64_t adapts_after_ = 0;       ///< samples
   bool adapted_ = false;            ///< effort_ has been decided
-  std::map<std::string, double> counted_before_;
+  std::map<std::string, double> counted_before_, trials_counted_;
   bool moves_on_ = false;  ///< restart() comes with the next frame of a moving picture
 };
 

@@ -179,16 +179,21 @@ bool Trials::render(const Effort& effort) {
     image.sums.push_back(moments.download(0, pixels));
   }
   image.squares = moments.download(pixels, pixels);
+  const std::map<std::string, double> counters = parts.counters();
+  counted_["trials"] += 1;
+  for (const auto& [name, count] : counters) {
+    if (name == "paths") counted_["trial_paths"] += count;
+    if (name.ends_with("_rays")) counted_["trial_rays"] += count;
+  }
   if (products_.empty()) {
     reference_ = image;
     weights_ = pixel_weights(reference_);
-    counters_ = parts.counters();
+    counters_ = counters;
   }
   const double variance = relative_variance(image, weights_) + hidden_variance(image, reference_, weights_);
   // A trial without noise has found nothing.
   const bool found = variance > 0 || products_.empty();
-  products_.emplace_back(effort,
-                         found ? variance * work_of(parts.counters()) : std::numeric_limits<double>::infinity());
+  products_.emplace_back(effort, found ? variance * work_of(counters) : std::numeric_limits<double>::infinity());
   return true;
 }
 

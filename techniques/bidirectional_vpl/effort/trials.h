@@ -34,6 +34,8 @@ class Trials {
   bool advance();
   /// Trials so far.
   size_t done() const { return products_.size(); }
+  /// What they took: `trials`, and in total `trial_paths`, camera paths, and `trial_rays`, rays of all kinds.
+  const std::map<std::string, double>& counted() const { return counted_; }
   /// What lowers the error most for its work, when all trials are done.
   const std::optional<Effort>& best() const { return decided_; }
   /// Samples of the image before trials: 16, and in small images as many as trials cost.
@@ -64,6 +66,7 @@ class Trials {
   std::optional<Effort> decided_;
   KeptParts& kept_;
   std::map<std::string, double> counters_;  ///< of the whole effort's trial
+  std::map<std::string, double> counted_;
 };
 
 }  // namespace lucarium::bidirectional

@@ -89,11 +89,17 @@ TEST_CASE("adapt: under an open sky light paths end after 16 samples, in a fixtu
   CHECK(sky.at("adapted_splats") == 0);
   CHECK(sky.at("light_paths") == 17 * (72 * 57 / 8));
   CHECK(sky.at("paths") == 20 * 72 * 57);
+  // Trials are counted apart: 8 samples each of a quarter of the pixels, and more rays than paths.
+  CHECK(sky.at("trials") >= 2);
+  CHECK(sky.at("trial_paths") / sky.at("trials") == within(8.0 * 72 * 57 / 4, 0.02 * 8 * 72 * 57 / 4));
+  CHECK(sky.at("trial_rays") > 1.5 * sky.at("trial_paths"));
   const auto fixture = render_adapted(load_scene("builtin:fixture"), 26).counters;
   CHECK(fixture.at("adapted_light_paths") == 1);
   CHECK(fixture.at("adapted_light_vertices") == 4);
   CHECK(fixture.at("light_paths") == 26 * (72 * 57 / 8));
-  CHECK(render_adapted(under_the_sky(), 16).counters.count("adapted_light_paths") == 0);
+  const auto before = render_adapted(under_the_sky(), 16).counters;
+  CHECK(before.count("adapted_light_paths") == 0);
+  CHECK(before.count("trials") == 0);
   CHECK(render_adapted(under_the_sky(), 26, {{"adapt", "off"}}).counters.count("adapted_light_paths") == 0);
   CHECK(render_adapted(under_the_sky(), 26, {{"vpl_choice", "all"}, {"light_paths", "1"}})
             .counters.count("adapted_light_paths") == 0);
