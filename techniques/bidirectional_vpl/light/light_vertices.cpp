@@ -28,7 +28,7 @@ std::map<std::string, std::string> with_mis(std::map<std::string, std::string> d
   return defines;
 }
 
-LightPathOptions path_options(const Plan& plan) {
+LightPathOptions path_options(const Plan& plan, bool has_first_hits) {
   LightPathOptions options;
   options.paths = plan.settings.light_paths;
   options.vertices = plan.light_vertices;
@@ -37,6 +37,7 @@ LightPathOptions path_options(const Plan& plan) {
   options.connection_samples = plan.settings.connection_samples;
   options.roulette_start = 4;  // paths of more vertices end by what they carry
   options.count_rays = true;
+  options.order = !has_first_hits;
   if (plan.punctual_paths)
     options.kinds = 1u << LUCARIUM_LIGHT_POINT | 1u << LUCARIUM_LIGHT_SPOT | 1u << LUCARIUM_LIGHT_DIRECTIONAL;
   options.remedy = kRemedy;
@@ -63,7 +64,7 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
       owner_(owner),
       table_capacity_((static_cast<uint32_t>(plan.vertex_slots()) + kRepeated + 7) / 8 * 8),
       primitives_(device),
-      paths_(device, scene, intersector, path_options(plan), owner),
+      paths_(device, scene, intersector, path_options(plan, bool(first_hits)), owner),
       store_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/store_light_vertices"},
                           with_mis(ray_end_defines(intersector), plan))),
       list_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/list_candidates"},

@@ -38,8 +38,9 @@ void LightField::load(const StateReader& chunks) {
     chunks.fail("field", fmt::format("the scale {}", saved.scale));
   if (saved.shown_sweeps == 0) chunks.fail("field", "no sweep that is shown");
   // No sweep brings more than the brightest sender has, kMaxStored over the scale, nor the tail more than 999 of them;
-  // sixteen times as much is no light of this scene.
-  const double largest = 16 * (static_cast<double>(saved.sweeps) + 1000) * double{kMaxStored} / double{saved.scale};
+  // sixteen times as much is no light of this scene. What a side counts stands beside its light: 1 at most.
+  const double largest =
+      std::max(1.0, 16 * (static_cast<double>(saved.sweeps) + 1000) * double{kMaxStored} / double{saved.scale});
   chunks.get_light_buffer("sides.direct", shown_direct_, largest);
   chunks.get_light_buffer("sides.indirect", shown_, largest);
   chunks.get_light_buffer("sides.held", held_, largest);

@@ -144,6 +144,15 @@ TEST_CASE("a loaded field propagates nothing and shows the bits of the session t
   }
 }
 
+TEST_CASE("a field of next to no light is loaded") {
+  Scene scene = load_scene("builtin:cornell");
+  for (SceneMaterial& material : scene.materials) material.emissive_factor *= 1e-8f;
+  const SavedState saved(scene, saved_field);
+  const auto run = loaded(saved.file, scene, saved_field);
+  CHECK_FALSE(run->finish_light());
+  CHECK(lines(*run) == 0);
+}
+
 TEST_CASE("a field of finite bounces is loaded with them, and at any size of the image") {
   Options options = saved_field;
   options[2].second = "0";  // texels: chosen by the size of the image

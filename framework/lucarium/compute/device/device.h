@@ -72,7 +72,8 @@ class Device : public std::enable_shared_from_this<Device> {
   MemoryAccount& memory() { return *memory_; }
   ProgramCache& program_cache() { return *cache_; }
 
-  /// Wall time spent compiling or loading programs so far [s]; clocks of comparisons leave it out.
+  /// Wall time spent compiling or loading programs, and waiting for launch code, so far [s]; clocks of comparisons
+  /// leave it out.
   double program_seconds() const { return program_seconds_; }
   void add_program_seconds(double seconds) { program_seconds_ += seconds; }
   CompileProgress& compile_progress() { return compile_progress_; }

@@ -49,11 +49,15 @@ std::string launch_code_id(const CompiledStep& step, const std::array<size_t, 3>
   return step.launch + (is_large(global) ? "/large" : "/small");
 }
 
+std::array<size_t, 3> launched_grid(const CompiledStep& step, std::array<size_t, 3> global) {
+  if (step.slice_items > 0) global[0] = std::min(global[0], step.slice_items);
+  return whole_groups(global, step.local);
+}
+
 void want_launch_code(const RecordedSchedule& recorded, const CompiledStep& step, const BoundArguments& bound) {
   KernelCompilers* compilers = recorded.device->kernel_compilers();
   if (!compilers) return;
   std::array<size_t, 3> global = step.global;
-  if (step.slice_items > 0) global[0] = std::min(global[0], step.slice_items);
   for (size_t& items : global) items = std::max<size_t>(items, 1);
   const auto want = [&](const std::array<size_t, 3>& size) {
     if (!step.program.lacks_launch_code(step.kernel_name, step.local, is_large(size))) return;
@@ -63,7 +67,7 @@ void want_launch_code(const RecordedSchedule& recorded, const CompiledStep& step
   };
   const bool of_any_class = step.counter >= 0 && step.slice_items == 0;
   if (of_any_class) want(large_grid(step));
-  if (!of_any_class || !large_code_serves_small_grids(recorded.device->info())) want(whole_groups(global, step.local));
+  if (!of_any_class || !large_code_serves_small_grids(recorded.device->info())) want(launched_grid(step, global));
 }
 
 }  // namespace lucarium

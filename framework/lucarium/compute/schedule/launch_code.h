@@ -19,6 +19,9 @@ std::array<size_t, 3> whole_groups(std::array<size_t, 3> global, const std::arra
 /// A small one of the grids that are large.
 std::array<size_t, 3> large_grid(const CompiledStep& step);
 
+/// The first launch of a pass of `global` work-items: a slice of it where it is cut.
+std::array<size_t, 3> launched_grid(const CompiledStep& step, std::array<size_t, 3> global);
+
 /// Names the code of a launch of `global` work-items for KernelCompilers.
 std::string launch_code_id(const CompiledStep& step, const std::array<size_t, 3>& global);
 

@@ -179,10 +179,11 @@ bool ScheduleRun::enqueue_kernel(size_t index) {
 bool ScheduleRun::wait_for_launch_code(size_t index, const std::array<size_t, 3>& global) {
   KernelCompilers* compilers = device_.kernel_compilers();
   if (!compilers || step(index).has_launch_code) return true;
-  for (const std::array<size_t, 3>& size : {global, large_grid(step(index))}) {
+  for (const std::array<size_t, 3>& size : {launched_grid(step(index), global), large_grid(step(index))}) {
     const std::string id = launch_code_id(step(index), size);
     if (!compilers->compiles(id)) continue;
-    while (first_queued_ < record_.events.size()) wait_for_oldest();  // its time is not compiling
+    while (first_queued_ < record_.events.size()) wait_for_oldest();
+    device_.finish();  // earlier runs, too: their time is not compiling
     const Stopwatch watch;
     const bool goes_on = compilers->wait_for(id, [this] { return cancelled(); });
     device_.add_program_seconds(watch.seconds());

@@ -50,9 +50,9 @@ __kernel void place_atlas_sides(__global const Vertex* restrict scene_vertices,
   atlas_points[side] = point;
 }
 
-// The BSDF and the emission at every texel side, seen along its normal.
+// The BSDF and the emission at every texel side, seen along its normal; whether it transmits.
 __kernel void shade_atlas_sides(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                                __global const SurfacePoint* restrict atlas_points,
+                                __global SurfacePoint* restrict atlas_points,
                                 __global AtlasMaterial* restrict atlas_materials) {
   const uint side = get_global_id(0);
   if (side >= atlas_info.texel_count) return;
@@ -67,4 +67,5 @@ __kernel void shade_atlas_sides(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   material.emission = (float4)(emitted_radiance(&scene, &surface), bsdf.flags & LUCARIUM_BSDF_DELTA ? 1.0f : 0.0f);
   material.shading = (float4)(surface.n_s, bsdf.dielectric_f0);
   atlas_materials[side] = material;
+  atlas_points[side].flags = luminance(bsdf.transmission) > 0.0f ? LUCARIUM_POINT_TRANSMITS : 0u;
 }

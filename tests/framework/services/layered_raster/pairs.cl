@@ -38,9 +38,11 @@ void layered_ray_ends(Events* events, uint2 pixel, uint payload, bool front) {
   events->sums[events->pixel] += hash_uint3(3u, payload, front);
 }
 bool layered_backs_matter(const Events* events) { return events->backs; }
-bool layered_is_sheet(const Events* events, uint payload) { return events->sheets && payload % 7u != 0u; }
+bool layered_are_sheets(const Events* events, uint near, uint far) {
+  return events->sheets && near % 7u != 0u && far % 7u != 0u;
+}
 bool layered_in_one_place(const Events* events, LayeredGap gap) {
-  return gap.length <= 1u && layered_is_sheet(events, gap.near) && layered_is_sheet(events, gap.far);
+  return gap.length <= 1u && layered_are_sheets(events, gap.near, gap.far);
 }
 
 __kernel void sum_events(LAYERED_TILE_PARAMETERS uint backs, uint sheets, __global uint* sums) {
