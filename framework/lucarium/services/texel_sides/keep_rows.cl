@@ -76,24 +76,23 @@ void layered_consume(KeptBundle* kept, const LayeredRow* row) {
 }
 
 // accessibility, interior, covered: of texel sides; two_halves: whether `covered` is.
-#define KEEP_PARAMETERS                                                                                      \
-  LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle *atlas_triangles,               \
-      __global const uint *atlas_table, __global const SurfacePoint *atlas_points,                           \
-      __global const uint *accessibility, __global const float2 *interior, __global const uint *covered,     \
-      uint two_halves, uint rows
-#define KEEP_SET(kept, to)                                                        \
-  KeptBundle kept = {atlas_triangles,                                             \
-                     atlas_table,                                                 \
-                     atlas_info.double_sided_count,                               \
-                     bundle_sheets(atlas_points, layered_views + layered_view),   \
-                     accessibility,                                               \
-                     interior,                                                    \
-                     two_halves ? covered : 0,                                    \
-                     atlas_info.texel_count,                                      \
-                     to,                                                          \
-                     0u,                                                          \
-                     0u,                                                          \
-                     0u,                                                          \
+#define KEEP_PARAMETERS                                                                                                \
+  LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle *atlas_triangles,                         \
+      __global const uint *atlas_table, __global const SurfacePoint *atlas_points, __global const uint *accessibility, \
+      __global const float2 *interior, __global const uint *covered, uint two_halves, uint rows
+#define KEEP_SET(kept, to)                                                      \
+  KeptBundle kept = {atlas_triangles,                                           \
+                     atlas_table,                                               \
+                     atlas_info.double_sided_count,                             \
+                     bundle_sheets(atlas_points, layered_views + layered_view), \
+                     accessibility,                                             \
+                     interior,                                                  \
+                     two_halves ? covered : 0,                                  \
+                     atlas_info.texel_count,                                    \
+                     to,                                                        \
+                     0u,                                                        \
+                     0u,                                                        \
+                     0u,                                                        \
                      0u}
 
 // Work-item: one. starts: of each view rows + 1 entries, where its rows of tiles begin and end; LUCARIUM_NONE: the
