@@ -120,7 +120,7 @@ TEST_CASE("solid angles are the integrals of hat functions") {
 
 // Over a triangle of area A the products of barycentric coordinates have the integrals A/3 (one), A/6 (its square),
 // A/10 (its cube) and A/12 (two of them). With the density h/∫h the mean of h is then 1/2, that of h² 3/10, and that
-// of a neighbour's hat function, which shares two of six triangles, 1/12; two of four at corners of the grid: 1/8.
+// of a neighbour's hat function, which shares two of six triangles, 1/12; at the octahedron's corners two of four: 1/8.
 // Uniform over the triangles instead, as of the paper's directions, they would be 1/3, 1/6 and 1/9 or 1/6.
 TEST_CASE("directions about one of the grid have the density of its hat function") {
   constexpr uint32_t count = 4096;
