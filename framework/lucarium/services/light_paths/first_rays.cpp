@@ -39,25 +39,22 @@ void FirstRays::record(ScheduleRecorder& recorder, const std::string& pass_name,
   const uint32_t count = rays.capacity;
   const BufferRef ordered = recorder.transient<Ray>("first rays in order", count, remedy);
   const BufferRef ordered_hits = recorder.transient<Hit>("hits of first rays in order", count, remedy);
+  const auto move = [&](const char* step, const char* kernel, const char* from_name, const BufferRef& from,
+                        const char* to_name, const BufferRef& to) {
+    recorder.pass(pass_name + step, program_, kernel)
+        .global(count)
+        .local(64)
+        .slice(kSlice)
+        .arg("order", keys.order)
+        .arg("count", count)
+        .arg(from_name, from)
+        .arg(to_name, to);
+  };
   primitives_.record_sort_pairs(recorder, pass_name + ".sort", keys.keys, keys.order, count, LIGHT_FIRST_KEY_BITS);
-  recorder.pass(pass_name + ".order", program_, "order_first_rays")
-      .global(count)
-      .local(64)
-      .slice(kSlice)
-      .arg("order", keys.order)
-      .arg("count", count)
-      .arg("rays", rays.rays)
-      .arg("ordered", ordered);
+  move(".order", "order_first_rays", "rays", rays.rays, "ordered", ordered);
   intersector.record_closest(recorder, pass_name + ".trace", {ordered, rays.counter, rays.counter_index, count, {}},
                              ordered_hits);
-  recorder.pass(pass_name + ".hits", program_, "return_first_hits")
-      .global(count)
-      .local(64)
-      .slice(kSlice)
-      .arg("order", keys.order)
-      .arg("count", count)
-      .arg("ordered", ordered_hits)
-      .arg("hits", hits);
+  move(".hits", "return_first_hits", "ordered", ordered_hits, "hits", hits);
 }
 
 size_t FirstRays::estimate_bytes(uint32_t paths) {
