@@ -7,6 +7,7 @@
 
 #include "cli_support.h"
 #include "lucarium/compare/request/expression.h"
+#include "lucarium/session/memory_needs.h"
 #include "technique_rig.h"
 #include "tolerance.h"
 
@@ -98,4 +99,19 @@ TEST_CASE("stated memory is what is taken, up to a tenth") {
             " of the stated");
     CHECK(memory.taken / memory.stated == relative(1, 0.1));
   }
+}
+
+TEST_CASE("where memory does not suffice, the numbers that take most of it are named") {
+  const Scene scene = load_scene("builtin:cornell-mirror");
+  RenderSettings settings;
+  settings.width = settings.height = 64;
+  settings.camera = scene.cameras.front();
+  const auto hint = [&](const Options& parameters) {
+    const std::unique_ptr<Technique> technique = registry().find("virtual_light_field").create();
+    for (const auto& [name, value] : parameters) technique->parameters().set(name, value);
+    return memory_hint(*technique, scene, settings);
+  };
+  const std::string lower = "lower --size or --texture-size, ";
+  CHECK(hint({{"dir_n", "6"}, {"cells", "32"}, {"texels", "4096"}}) == lower + "cells (32), texels (4096), dir_n (6)");
+  CHECK(hint({{"dir_n", "32"}, {"cells", "0"}, {"texels", "0"}}) == lower + "cells (0), dir_n (32), texels (0)");
 }

@@ -124,7 +124,9 @@ bool is_finite(const SceneInstance& instance, const Mesh& shape) {
 /// What evaluation can break even in a file that was read correctly.
 void validate_evaluated(const Scene& scene) {
   if (scene.triangle_count() == 0) {
-    throw_error(ErrorClass::input, "{}: there is no triangle in the scene", scene.source);
+    throw_error(ErrorClass::input,
+                "{}: there is no triangle in the scene; give a node of its default scene a mesh with triangles",
+                scene.source);
   }
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const SceneInstance& instance = scene.instances[i];

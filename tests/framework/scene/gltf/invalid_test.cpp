@@ -174,6 +174,16 @@ TEST_CASE("Positions that are not finite") {
   }
 }
 
+TEST_CASE("Scenes without a triangle are refused with what to do") {
+  test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "empty.gltf";
+  for (const char* nodes : {"", R"({"name": "alone"})"}) {
+    std::ofstream(file) << R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [)" << (*nodes ? "0" : "") << "]}]"
+                        << (*nodes ? std::string(R"(, "nodes": [)") + nodes + "]" : "") << "}";
+    CHECK(contains(refusal(file), "give a node of its default scene a mesh with triangles"));
+  }
+}
+
 TEST_CASE("URIs that leave the folder") {
   test::TemporaryFolder folder;
   std::filesystem::create_directories(folder.path() / "scene/sub dir");
