@@ -8,6 +8,10 @@
 #include <algorithm>
 #include <new>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "build_app.h"
 #include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
@@ -26,6 +30,15 @@ void print_error(std::string message, const std::string& details) {
   if (!details.empty() && log_level() >= LogLevel::info) print_note("{}\n", details);
 }
 
+/// Images come and go with every frame that is shown. The C library gives their memory back to the system and has it
+/// cleared again, which takes longer than what is done with it: this much is kept instead.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
+}
+
 int run(int argc, char** argv) {
   app::Action action;
   app::CommandLine line = app::build_app(action);
@@ -39,6 +52,7 @@ int run(int argc, char** argv) {
 int lucarium_main(int argc, char** argv) {
   install_interrupt_handler();  // instead of the one that stood until now
   end_with_parent();
+  keep_freed_memory();
   try {
     const int code = run(argc, argv);
     flush_results();

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/film/film.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
 
 #include "lucarium/base/error.h"
 
@@ -30,17 +33,39 @@ const FilmLayer* Film::find(std::string_view name) const {
 }
 
 std::vector<float> Film::image() const {
+  constexpr size_t block = 4096;  // stays in a processor's cache while all layers are added
   std::vector<float> sum(pixel_count() * 3);
-  for (const FilmLayer& layer : layers_) {
-    if (!layer.additive) continue;
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] += layer.pixels[i];
+  for (size_t first = 0; first < sum.size(); first += block) {
+    const size_t end = std::min(first + block, sum.size());
+    for (const FilmLayer& layer : layers_) {
+      if (!layer.additive) continue;
+      for (size_t i = first; i < end; ++i) sum[i] += layer.pixels[i];
+    }
   }
   return sum;
 }
 
+namespace {
+
+/// Finite, and not below zero where `additive`. By integers and without branches, so that compilers make vectors of it.
+bool are_good(std::span<const float> values, bool additive) {
+  constexpr uint32_t sign = 0x80000000u, infinite = 0x7f800000u;
+  const uint32_t refused = additive ? sign : 0;
+  uint32_t bad = 0;
+  for (const float value : values) {
+    const auto bits = std::bit_cast<uint32_t>(value);
+    const uint32_t size = bits & ~sign;
+    bad |= static_cast<uint32_t>(size >= infinite) | (bits & refused & (0 - size));
+  }
+  return bad == 0;
+}
+
+}  // namespace
+
 BadPixels Film::count_bad_pixels() const {
   BadPixels bad;
   for (const FilmLayer& layer : layers_) {
+    if (are_good(layer.pixels, layer.additive)) continue;
     for (size_t i = 0; i < layer.pixels.size(); ++i) {
       const float value = layer.pixels[i];
       if (std::isfinite(value) && (value >= 0 || !layer.additive)) continue;

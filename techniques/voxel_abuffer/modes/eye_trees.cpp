@@ -238,9 +238,9 @@ void EyeTrees::restart(const Frame& frame, uint64_t seed) {
 }
 
 void EyeTrees::write(Film& film) {
-  add_mean(film, "emission", sums_.sum(emission).download());
-  add_mean(film, "direct", sums_.sum(direct).download());
-  if (options_.ambient > 0) add_mean(film, "ambient", sums_.sum(ambient).download());
+  add_mean(film, "emission", sums_.sum(emission));
+  add_mean(film, "direct", sums_.sum(direct));
+  if (options_.ambient > 0) add_mean(film, "ambient", sums_.sum(ambient));
   FilmLayer& layer = film.layer("crossings", {"Y"});
   layer.pixels.clear();
   for (const float4& sum : sums_.sum(crossings).download()) layer.pixels.push_back(sum.w > 0 ? sum.x / sum.w : 0);

@@ -87,6 +87,25 @@ TEST_CASE("bad pixels are found where they are") {
   CHECK(bad.first_y == 1);
 }
 
+TEST_CASE("one bad value of any kind is found, and zeros of either sign, the largest and the least number are none") {
+  constexpr float largest = std::numeric_limits<float>::max(), infinite = std::numeric_limits<float>::infinity();
+  const auto count = [](float value, bool additive) {
+    Film film(5, 3);
+    film.layer("layer", {"R", "G", "B"}, additive).pixels[38] = value;
+    return film.count_bad_pixels();
+  };
+  for (const float good : {0.f, -0.f, largest, std::numeric_limits<float>::denorm_min()})
+    for (const bool additive : {false, true}) CHECK(count(good, additive).total() == 0);
+  for (const bool additive : {false, true}) {
+    CHECK(count(std::numeric_limits<float>::quiet_NaN(), additive).nan == 1);
+    CHECK(count(-std::numeric_limits<float>::quiet_NaN(), additive).nan == 1);
+    CHECK(count(infinite, additive).infinite == 1);
+    CHECK(count(-infinite, additive).infinite == 1);
+    for (const float negative : {-largest, -std::numeric_limits<float>::denorm_min()})
+      CHECK(count(negative, additive).negative == (additive ? 1 : 0));
+  }
+}
+
 TEST_CASE("unwritable and unreadable files are one clear error, and leave nothing behind") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_AS(write_exr(folder.path() / "missing" / "a.exr", example_film()), Error);

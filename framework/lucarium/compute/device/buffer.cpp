@@ -123,6 +123,22 @@ void Buffer::read(void* target, size_t bytes, size_t offset) const {
                "clEnqueueReadBuffer", storage_->about(), device());
 }
 
+std::shared_ptr<const void> Buffer::map() const {
+  require_range("mapping", 0, 0);
+  cl_int code = CL_SUCCESS;
+  void* contents = clEnqueueMapBuffer(device().queue(), handle(), CL_TRUE, CL_MAP_READ, 0, storage_->allocated, 0,
+                                      nullptr, nullptr, &code);
+  check_opencl(code, "clEnqueueMapBuffer", storage_->about(), device());
+  return {contents, [storage = storage_](void* mapped) {
+            cl_event given_back = nullptr;
+            const cl_int failure = clEnqueueUnmapMemObject(storage->device->queue(), storage->memory.get(), mapped, 0,
+                                                           nullptr, &given_back);
+            const ClEvent event(given_back);
+            if (failure != CL_SUCCESS || clWaitForEvents(1, &given_back) != CL_SUCCESS)
+              log_warning("giving back {} failed", storage->about());
+          }};
+}
+
 void Buffer::fill_zero() {
   constexpr std::array<unsigned char, granule> zeros{};
   check_opencl(clEnqueueFillBuffer(device().queue(), handle(), zeros.data(), granule, 0, storage_->allocated, 0,

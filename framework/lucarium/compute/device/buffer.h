@@ -38,6 +38,9 @@ class Buffer {
   void write(const void* source, size_t bytes, size_t offset = 0);
   void read(void* target, size_t bytes, size_t offset = 0) const;
   void fill_zero();
+  /// The contents for reading until the last handle goes, without a copy where the device shares the host's memory.
+  /// Waits for the device's queue; nothing may write to the buffer meanwhile.
+  std::shared_ptr<const void> map() const;
 
  protected:
   void require_range(const char* verb, size_t bytes, size_t offset) const;
@@ -73,6 +76,11 @@ class TypedBuffer : public Buffer {
     std::vector<T> values(elements);
     if (elements) read(values.data(), elements * sizeof(T), first * sizeof(T));
     return values;
+  }
+  /// As map().
+  std::shared_ptr<const T[]> elements() const {
+    const std::shared_ptr<const void> contents = map();
+    return {contents, static_cast<const T*>(contents.get())};
   }
 
  private:

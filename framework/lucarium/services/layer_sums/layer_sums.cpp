@@ -2,6 +2,7 @@
 #include "lucarium/services/layer_sums/layer_sums.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/device/remedies.h"
@@ -27,18 +28,30 @@ void LayerSums::clear() {
 }
 
 void LayerSums::write(Film& film, bool additive) const {
-  for (size_t i = 0; i < names_.size(); ++i)
-    add_mean(film, names_[i], forgotten_ ? std::vector<float4>(film.pixel_count()) : sums_[i].download(), additive);
+  for (size_t i = 0; i < names_.size(); ++i) {
+    if (forgotten_)
+      film.layer(names_[i], {"R", "G", "B"}, additive);
+    else
+      add_mean(film, names_[i], sums_[i], additive);
+  }
 }
 
-void add_mean(Film& film, const std::string& name, const std::vector<float4>& sums, bool additive) {
+void add_mean(Film& film, const std::string& name, std::span<const float4> sums, bool additive) {
   if (sums.size() != film.pixel_count())
     throw_error(ErrorClass::internal, "{} sums for a film of {} pixels", sums.size(), film.pixel_count());
-  FilmLayer& layer = film.layer(name, {"R", "G", "B"}, additive);
-  for (size_t p = 0; p < sums.size(); ++p) {
-    const float scale = sums[p].w > 0 ? 1 / sums[p].w : 0.f;
-    for (size_t c = 0; c < 3; ++c) layer.pixels[3 * p + c] += (&sums[p].x)[c] * scale;
+  float* mean = film.layer(name, {"R", "G", "B"}, additive).pixels.data();
+  for (const float4& sum : sums) {
+    const float scale = sum.w > 0 ? 1 / sum.w : 0.f;
+    mean[0] += sum.x * scale;
+    mean[1] += sum.y * scale;
+    mean[2] += sum.z * scale;
+    mean += 3;
   }
+}
+
+void add_mean(Film& film, const std::string& name, const TypedBuffer<float4>& sums, bool additive) {
+  const std::shared_ptr<const float4[]> elements = sums.elements();
+  add_mean(film, name, std::span(elements.get(), sums.count()), additive);
 }
 
 }  // namespace lucarium

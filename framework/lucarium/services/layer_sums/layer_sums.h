@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,6 +42,7 @@ class LayerSums {
 };
 
 /// Adds the means of sums to the film's layer `name`, as LayerSums::write().
-void add_mean(Film& film, const std::string& name, const std::vector<float4>& sums, bool additive = true);
+void add_mean(Film& film, const std::string& name, std::span<const float4> sums, bool additive = true);
+void add_mean(Film& film, const std::string& name, const TypedBuffer<float4>& sums, bool additive = true);
 
 }  // namespace lucarium

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What PathIntegrator writes into a film. Declared in path_integrator.h.
 #include <array>
+#include <memory>
 
 #include "lucarium/base/error.h"
 #include "lucarium/services/path_integrator/path_integrator_state.h"
@@ -29,7 +30,7 @@ std::vector<std::vector<float>> PathIntegrator::replicate_images() const {
     // Sample n belongs to replicate n mod R.
     const uint64_t samples = s.samples / s.options.replicates + (r < s.samples % s.options.replicates ? 1 : 0);
     images.emplace_back(size_t{s.plan.pixels} * 3);
-    write_mean(s.sums.replicates[r].download().data(), s.plan.pixels, samples, images.back());
+    write_mean(s.sums.replicates[r].elements().get(), s.plan.pixels, samples, images.back());
   }
   return images;
 }
@@ -41,11 +42,11 @@ void PathIntegrator::resolve(Film& film) const {
   s.scheduler.finish();
   const std::array<const char*, LUCARIUM_PATH_LAYERS> names = {"emission", "direct", "indirect"};
   const size_t stride = size_t{s.plan.pixels} * 2;
-  const std::vector<float4> sums = s.sums.layers.download();
+  const std::shared_ptr<const float4[]> sums = s.sums.layers.elements();
   for (size_t layer = 0; layer < names.size(); ++layer) {
     FilmLayer& target = film.layer(names[layer], {"R", "G", "B"}, true);
     target.pixels.resize(size_t{s.plan.pixels} * 3);
-    write_mean(sums.data() + layer * stride, s.plan.pixels, s.samples, target.pixels);
+    write_mean(sums.get() + layer * stride, s.plan.pixels, s.samples, target.pixels);
   }
   if (s.options.replicates < 2 || s.samples < s.options.replicates) return;
 

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <memory>
 #include <numeric>
 
 #include "compute_fixture.h"
@@ -23,6 +24,26 @@ TEST_CASE("a buffer starts zeroed and keeps what is written") {
   CHECK(buffer.download(997, 3) == std::vector<uint32_t>{1004, 1, 2});
   buffer.fill_zero();
   CHECK(buffer.download() == std::vector<uint32_t>(1000, 0));
+}
+
+TEST_CASE("what a buffer holds can be read in place, and written again when it was given back") {
+  TypedBuffer<uint32_t> buffer(*test_device(), "test", "numbers", std::vector<uint32_t>{1, 2, 3});
+  {
+    std::shared_ptr<const uint32_t[]> elements = buffer.elements();
+    const std::shared_ptr<const uint32_t[]> again = elements;
+    elements.reset();
+    CHECK(std::vector<uint32_t>(again.get(), again.get() + 3) == std::vector<uint32_t>{1, 2, 3});
+  }
+  buffer.upload({4}, 1);
+  CHECK(buffer.elements()[1] == 4);
+  CHECK(TypedBuffer<float>(*test_device(), "test", "empty", size_t{0}).elements() != nullptr);
+  CHECK_THROWS_AS(TypedBuffer<float>().elements(), Error);
+  std::shared_ptr<const uint32_t[]> last;
+  {
+    const TypedBuffer<uint32_t> short_lived(*test_device(), "test", "numbers", std::vector<uint32_t>{5});
+    last = short_lived.elements();
+  }
+  CHECK(last[0] == 5);
 }
 
 TEST_CASE("copies of a buffer share its memory, and the last one gives it back") {
