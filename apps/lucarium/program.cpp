@@ -30,8 +30,8 @@ void print_error(std::string message, const std::string& details) {
   if (!details.empty() && log_level() >= LogLevel::info) print_note("{}\n", details);
 }
 
-/// Images come and go with every frame that is shown. The C library gives their memory back to the system and has it
-/// cleared again, which takes longer than what is done with it: this much is kept instead.
+/// Every frame that is shown takes memory for its images. The C library gives it back to the system and has it cleared
+/// again, which takes longer than what is done with it: this much is kept instead.
 void keep_freed_memory() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
