@@ -56,6 +56,7 @@ BundleEdges::BundleEdges(Device& device, KernelScheduler& scheduler, const Scene
       views_(device, owner, "views of bundles", plan.settings.bundles, "lower bundles"),
       keys_(device, owner, "bundles of rays", plan.settings.pixels, remedies::lower_size),
       order_(device, owner, "rays by bundle", plan.settings.pixels, remedies::lower_size),
+      left_(device, owner, "triangles that rays leave", plan.settings.pixels, remedies::lower_size),
       starts_(device, owner, "first rays of bundles", plan.settings.bundles + 1),
       ranges_(plan.settings.bundles + 1) {
   if (plan.keeps_bundles() && KeptBundles::estimate_bytes(plan) > 0) kept_.emplace(device, plan, owner);
@@ -83,6 +84,7 @@ void BundleEdges::record_prepare(const BundleRays& rays) {
       .arg("chunk", kBoundsChunk)
       .arg("keys", keys_)
       .arg("values", order_)
+      .arg("left", left_)
       .arg("bounds", bounds);
   primitives_.record_sort_pairs(recorder, "split.sort", keys_, order_, pixels, std::bit_width(bundles + 1));
   recorder.pass("split.ranges", program_, "find_bundle_starts")
@@ -124,8 +126,7 @@ void BundleEdges::add_look_up(ScheduleRecorder& recorder, const BundleRays& rays
       .arg("pixel_start", stored.pixel_start)
       .arg("fragments", stored.fragments)
       .arg("rays", rays.rays)
-      .arg("queue", rays.queue)
-      .arg("states", rays.states)
+      .arg("left", left_)
       .arg("hits", rays.hits);
 }
 
@@ -222,7 +223,7 @@ void BundleEdges::warm_up() {
 
 size_t BundleEdges::estimate_bytes(const Plan& plan, size_t triangles) {
   // Sorting takes as much again.
-  return size_t{plan.settings.pixels} * 4 * sizeof(uint32_t) + plan.settings.bundles * sizeof(LayeredView) +
+  return size_t{plan.settings.pixels} * 5 * sizeof(uint32_t) + plan.settings.bundles * sizeof(LayeredView) +
          LayeredRaster::estimate_bytes(triangles, raster_options(plan), store_options(plan)) +
          (plan.keeps_bundles() ? KeptBundles::estimate_bytes(plan) : 0);
 }

@@ -68,7 +68,7 @@ class BundleEdges {
   uint64_t generation_;
   Program program_;
   TypedBuffer<LayeredView> views_;
-  TypedBuffer<uint32_t> keys_, order_, starts_;
+  TypedBuffer<uint32_t> keys_, order_, left_, starts_;
   std::optional<KeptBundles> kept_;  ///< reuse=shared
   Schedule prepare_, bundle_, again_;
   Variable<uint32_t> seed_, sample_, depth_;

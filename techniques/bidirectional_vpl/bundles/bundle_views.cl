@@ -12,18 +12,22 @@
 #define BUNDLE_MARGIN 3.0f  // pixels: the shift, and a border on both sides
 
 // Of each run of `chunk` rays: keys to sort by, and the box of the points that look along bundles. The key is the
-// bundle of ray i; settings.bundles for those that are traced, one more beyond the last ray. bounds[2c]: the box's
-// lower corner, bounds[2c + 1] the upper.
+// bundle of ray i; settings.bundles for those that are traced, one more beyond the last ray. left[i]: the triangle that
+// it leaves, apart from its state, of which look-ups need nothing else. bounds[2c]: the box's lower corner, bounds[2c +
+// 1] the upper.
 __kernel void key_bundle_rays(const BidirectionalSettings settings, __global const uint* restrict queue,
                               __global const uint* restrict active, __global const EyePathState* restrict states,
                               __global const Ray* restrict rays, uint chunk, __global uint* restrict keys,
-                              __global uint* restrict values, __global float4* restrict bounds) {
+                              __global uint* restrict values, __global uint* restrict left,
+                              __global float4* restrict bounds) {
   const uint c = (uint)get_global_id(0), first = c * chunk;
   if (first >= settings.pixels) return;
   const uint end = min(first + chunk, settings.pixels), there = clamp(active[0], first, end);
   float4 low = (float4)(INFINITY), high = (float4)(-INFINITY);
   for (uint i = first; i < there; ++i) {
-    const uint bundle = states[queue[i]].bundle;
+    const __global EyePathState* state = states + queue[i];
+    const uint bundle = state->bundle;
+    left[i] = state->left;
     keys[i] = min(bundle, settings.bundles);
     values[i] = i;
     if (bundle == LUCARIUM_NONE) continue;

@@ -5,7 +5,7 @@
 // fragment's triangle, clamped to it; the ray lies up to a pixel beside the one that was rasterized. With
 // BUNDLES_EXACT a pixel lists every triangle that it touches, and the ray itself is tested against them.
 #include "bidirectional_vpl/base/meet_plane.clh"
-#include "bidirectional_vpl/shared/settings.h"
+#include "bidirectional_vpl/bundles/eight_look_ups.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/layered_raster/fragment_list.clh"
 #include "lucarium/surface.clh"
@@ -64,6 +64,37 @@ LUCARIUM_JOIN Hit look_up(const Scene* scene, const FragmentList* list, Ray ray,
   return hit;
 }
 
+#define LOOK_UP_EIGHT
+
+// Rays order[first] to order[first + 7]. False, and nothing done, where a triangle is so large or small that its normal
+// needs care.
+LUCARIUM_JOIN bool look_up8(const Scene* scene, const FragmentList* list, uint first, __global const uint* order,
+                            __global const Ray* rays, __global const uint* left, __global Hit* hits) {
+  const uint8 ray = vload8(0, order + first), triangle = LIST_OF_EIGHT(uint8, left, ray);
+  const uint stride = sizeof(Ray) / sizeof(float4);
+  const Fields8 begin = gather_fields8((const __global float4*)rays, stride, ray);
+  const Fields8 along = gather_fields8((const __global float4*)rays + 1, stride, ray);
+  const Vectors8 origin = {begin.x, begin.y, begin.z}, direction = {along.x, along.y, along.z};
+  const Corners8 t = corners8(scene, triangle);
+  const Vectors8 area_normal = cross8(minus8(t.b, t.a), minus8(t.c, t.a));
+  const float8 area2 = dot8(area_normal, area_normal);
+  if (lane_bits8((area2 >= 1e-28f) & (area2 <= 1e28f)) != 255u) return false;
+  const ListedPoints8 points = listed_points8(list->view, origin, direction, area_normal, area2);
+  const uint8 seen = seen_triangles8(list, &points, triangle);
+  Fields8 met = seen_hits8(scene, list->view, seen, origin, direction, points.x, points.y);
+  turn_squares(&met.x, &met.y, &met.z, &met.w);
+  __global float4* out = (__global float4*)hits;
+  out[ray.s0] = met.x.lo;
+  out[ray.s1] = met.y.lo;
+  out[ray.s2] = met.z.lo;
+  out[ray.s3] = met.w.lo;
+  out[ray.s4] = met.x.hi;
+  out[ray.s5] = met.y.hi;
+  out[ray.s6] = met.z.hi;
+  out[ray.s7] = met.w.hi;
+  return true;
+}
+
 #endif
 
 // The rays order[starts[number]] to order[starts[number + 1]], `chunk` to a work-item. The bundle begins at start_base
@@ -72,16 +103,22 @@ __kernel void look_up_bundle(LUCARIUM_SCENE_PARAMETERS uint number, uint chunk, 
                              __global const uint* restrict starts, __global const uint* restrict order,
                              __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
                              __global const LayeredFragment* restrict fragments, __global const Ray* restrict rays,
-                             __global const uint* restrict queue, __global const EyePathState* restrict states,
-                             __global Hit* restrict hits, uint slice_base) {
+                             __global const uint* restrict left, __global Hit* restrict hits, uint slice_base) {
   const uint first = starts[number] + chunk * (slice_base + (uint)get_global_id(0));
   const uint end = min(first + chunk, starts[number + 1u]);
   if (first >= end) return;
   LUCARIUM_SCENE_BIND(scene);
   const FragmentList list = {views + number, pixel_start + start_base, fragments + fragment_base};
-  for (uint k = first; k < end; ++k) {
+  for (uint k = first; k < end;) {
+#ifdef LOOK_UP_EIGHT
+    if (k + 8u <= end && look_up8(&scene, &list, k, order, rays, left, hits)) {
+      k += 8u;
+      continue;
+    }
+#endif
     const uint i = order[k];
-    hits[i] = look_up(&scene, &list, rays[i], states[queue[i]].left);
+    hits[i] = look_up(&scene, &list, rays[i], left[i]);
+    ++k;
   }
 }
 

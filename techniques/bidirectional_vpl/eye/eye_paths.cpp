@@ -137,6 +137,10 @@ void EyePaths::add(uint64_t iterations) {
   scheduler_.finish();
   if (filter_) filter_->apply(iterations);
   for (size_t i = 0; i < counted_.size(); ++i) totals_[i] += counted_[i];
+  // Where there are fewer virtual lights than candidates all are compared.
+  if (plan_.has_table())
+    candidates_ += static_cast<double>(counted_[BIDIRECTIONAL_COUNT_CHOICES]) *
+                   std::min(plan_.settings.candidates, vertices_->vertex_count());
   if (bundles_) bundles_->complete();
   const uint32_t bad = counted_[BIDIRECTIONAL_COUNT_BAD];
   if (bad > 0)
@@ -148,6 +152,7 @@ void EyePaths::clear(bool moves_on) {
   if (caches_) moves_on ? caches_->next_frame(frame_) : caches_->clear(frame_);
   sums_.clear();
   totals_ = {};
+  candidates_ = 0;
   paths_ = segments_ = 0;
   if (bundles_) bundles_->clear_counters();
 }
@@ -205,8 +210,7 @@ std::map<std::string, double> EyePaths::counters() const {
   if (plan_.vpl_maps)
     look_ups += totals_[BIDIRECTIONAL_COUNT_CONNECTION_TESTS] - totals_[BIDIRECTIONAL_COUNT_CONNECTION_RAYS];
   if (plan_.direct_maps || plan_.vpl_maps) all["map_look_ups"] = look_ups;
-  // As many as there are virtual lights in an iteration at most.
-  if (plan_.has_table()) all["candidates"] = totals_[BIDIRECTIONAL_COUNT_CHOICES] * plan_.settings.candidates;
+  if (plan_.has_table()) all["candidates"] = candidates_;
   return all;
 }
 

@@ -131,6 +131,7 @@ class EyePaths {
   uint32_t remaining_ = 0;                                ///< read back after every segment
   std::array<uint32_t, BIDIRECTIONAL_COUNTS> counted_{};  ///< and this after every iteration
   std::array<double, BIDIRECTIONAL_COUNTS> totals_{};
+  double candidates_ = 0;
   double paths_ = 0, segments_ = 0;
 };
 

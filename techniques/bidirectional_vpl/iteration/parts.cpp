@@ -106,7 +106,7 @@ InspectedValues Parts::inspect(const SeenPoint& point) const {
 size_t Parts::estimate_bytes(const Plan& plan, const Scene& scene) {
   return EyePaths::estimate_bytes(plan, scene, false) + Maps::estimate_bytes(plan, scene) +
          (plan.guide ? GuidePhotons::estimate_collect_bytes(plan) : 0) +
-         (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, false) : 0);
+         (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, scene, false) : 0);
 }
 
 }  // namespace lucarium::bidirectional

@@ -297,11 +297,11 @@ void LightVertices::count_paths() {
   counters_["splat_rays"] += splats_[0];
 }
 
-size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
+size_t LightVertices::estimate_bytes(const Plan& plan, const Scene& scene, bool ray_ends) {
   const size_t slots = plan.vertex_slots(), splats = plan.splat ? slots - plan.settings.light_paths : 0;
   const size_t ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
   const size_t table = plan.has_table() ? (slots + kRepeated + 7) / 8 * 8 * kTableRows * sizeof(float) : 0;
-  const size_t transients = std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
+  const size_t transients = std::max({LightPaths::estimate_bytes(plan.settings.light_paths, scene),
                                       splats * (ray + sizeof(float4) + (plan.learned ? 9 : 5) * sizeof(uint32_t)),
                                       slots * 3 * sizeof(uint32_t)});
   const size_t densities = plan.gloss == Gloss::none ? 0 : slots * sizeof(float2);

@@ -52,7 +52,7 @@ class LightVertices {
                        const BufferRef& occluded, const BufferRef& paths, const BufferRef& light, uint32_t count) const;
   /// Where splats are added, and the camera paths that bad ones mark.
   void record(const TypedBuffer<float4>& sample, const TypedBuffer<EyePathState>& states);
-  static size_t estimate_bytes(const Plan& plan, bool ray_ends);
+  static size_t estimate_bytes(const Plan& plan, const Scene& scene, bool ray_ends);
 
  private:
   void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,

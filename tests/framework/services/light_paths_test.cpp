@@ -134,6 +134,8 @@ TEST_CASE("light paths whose first rays are traced in another order are the same
   CHECK(FirstRays::pays(rig.buffers, rig.bvh, many, 31));
   CHECK_FALSE(FirstRays::pays(rig.buffers, rig.bvh, 1 << 12, 31));
   CHECK_FALSE(FirstRays::pays(rig.buffers, rig.bvh, many, 1 << LUCARIUM_LIGHT_TRIANGLE));
+  CHECK(LightPaths::estimate_bytes(many, rig.scene) == LightPaths::estimate_bytes(many));
+  CHECK(LightPaths::estimate_bytes(many, empty_scene()) < LightPaths::estimate_bytes(many) / 2);
   const std::vector<VirtualLight> ordered = rig.trace({.paths = many, .vertices = 2}),
                                   numbered = rig.trace({.paths = many, .vertices = 2, .order = false});
   CHECK(std::memcmp(ordered.data(), numbered.data(), ordered.size() * sizeof ordered[0]) == 0);

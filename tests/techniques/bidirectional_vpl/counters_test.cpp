@@ -70,6 +70,16 @@ TEST_CASE("counters of rays: every path of a closed box has the same number") {
   CHECK(found.at("terminated_in_mirrors") == 0);
 }
 
+TEST_CASE("counters of rays: no more candidates are counted than there are virtual lights") {
+  const double paths = 16 * 16 * 3;
+  for (const int light_paths : {2, 5, 8}) {
+    const auto found = counters(closed_box(false), small_picture(1, 3),
+                                {{"light_paths", std::to_string(light_paths)}, {"camera_edges", "3"}});
+    CHECK(found.at("light_vertices") == 3 * 2 * light_paths);
+    CHECK(found.at("candidates") == 2 * light_paths * paths);
+  }
+}
+
 TEST_CASE("counters of rays: behind camera_edges as many paths go on as surfaces reflect, in the end") {
   // By the root of what a path carries, and 0.95 at most, so that paths between white surfaces end.
   const double paths = 16 * 16 * 64;

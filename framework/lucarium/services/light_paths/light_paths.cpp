@@ -28,6 +28,8 @@ uint32_t batch_of(uint32_t paths, bool ordered) {
   return std::min(paths, std::max(kPathsPerBatch, (least + 7) / 8 * 8));
 }
 
+size_t batch_bytes(uint32_t batch) { return size_t{batch} * (sizeof(Ray) + sizeof(Hit) + sizeof(LightPathState)); }
+
 LightPathRules rules_of(const LightPathOptions& options) {
   LightPathRules rules{};
   rules.count = options.paths;
@@ -149,12 +151,17 @@ void LightPaths::record_virtual_lights(ScheduleRecorder& recorder, const Variabl
 }
 
 size_t LightPaths::estimate_bytes(uint32_t paths) {
-  const auto bytes_of = [](uint32_t batch) {
-    return size_t{batch} * (sizeof(Ray) + sizeof(Hit) + sizeof(LightPathState));
-  };
-  if (paths < FirstRays::kFewest) return bytes_of(batch_of(paths, false));
+  const size_t numbered = batch_bytes(batch_of(paths, false));
+  if (paths < FirstRays::kFewest) return numbered;
   const uint32_t ordered = batch_of(paths, true);
-  return std::max(bytes_of(batch_of(paths, false)), bytes_of(ordered) + FirstRays::estimate_bytes(ordered));
+  return std::max(numbered, batch_bytes(ordered) + FirstRays::estimate_bytes(ordered));
+}
+
+size_t LightPaths::estimate_bytes(uint32_t paths, const Scene& scene) {
+  const bool places = std::any_of(scene.lights.begin(), scene.lights.end(), [](const SceneLight& light) {
+    return light.type == LightType::point || light.type == LightType::spot;
+  });
+  return places ? estimate_bytes(paths) : batch_bytes(batch_of(paths, false));
 }
 
 }  // namespace lucarium

@@ -6,6 +6,7 @@
 
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/scene/scene.h"
 #include "lucarium/services/intersector.h"
 #include "lucarium/services/light_paths/first_rays.h"
 #include "lucarium/shared/light_path.h"
@@ -71,7 +72,10 @@ class LightPaths {
   const TypedBuffer<uint32_t>& ray_counts() const { return ray_counts_; }
   /// Rays of a run at most.
   double rays() const { return static_cast<double>(options_.paths) * options_.vertices; }
-  static size_t estimate_bytes(uint32_t paths);  ///< device memory of a run, without what vertices become [bytes]
+  /// Device memory of a run, without what vertices become [bytes]. Less where a scene is known whose first rays stay as
+  /// paths are numbered.
+  static size_t estimate_bytes(uint32_t paths);
+  static size_t estimate_bytes(uint32_t paths, const Scene& scene);
 
  private:
   struct Transients {
