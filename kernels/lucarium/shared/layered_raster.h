@@ -66,7 +66,6 @@ LUCARIUM_STRUCT_END(LayeredFragment, 8)
 #define LAYERED_MAX_EDGE 4096u  // pixels per axis
 #define LAYERED_GUARD 16384.0f  // pixels: beyond, triangles are clipped
 #define LAYERED_TILE_ROWS 16u   // pixel rows per tile
-#define LAYERED_TILE_RUNS 8u    // work-items with a tile each are a multiple of this
 #ifndef LAYERED_MAX_LAYERS      // of a pixel row of a tile; kernels may be compiled with fewer (LayeredRasterOptions)
 #define LAYERED_MAX_LAYERS 64u
 #endif

@@ -2,6 +2,7 @@
 #include "voxel_abuffer/structure/abuffer_lists.h"
 
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/services/dealt_rows/dealt_rows.h"
 #include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
@@ -130,15 +131,15 @@ void AbufferLists::record_touched(ScheduleRecorder& recorder, const AbufferGrid&
         make_program(*device_, voxel_abuffer_kernels(), {"voxel_abuffer/structure/fill_touched"}, raster_.defines());
     touched_generation_ = raster_.generation();
   }
-  const BufferRef columns = recorder.transient<uint32_t>(axis.name + ".columns", grid.bricks.w, smaller_abuffer);
+  const uint32_t column_count = axis_pixels(grid, static_cast<int>(axis.index));
+  const BufferRef columns = recorder.transient<uint32_t>(axis.name + ".columns", column_count, smaller_abuffer);
   const BufferRef total = recorder.transient<uint32_t>(axis.name + ".fragment_count", 1);
-  recorder.fill_zero(axis.name + ".clear", columns);
   const std::shared_ptr<const LayeredBins> bins = raster_.record_bins(recorder, axis.name, view);
   raster_.record_tiles(recorder, axis.name + ".count", view, *bins, touched_, "abuffer_count_touched",
                        [&](PassBuilder& pass) {
                          pass.arg("abuffer_grid", sources.grid).arg("axis", axis.index).arg("abuffer_columns", columns);
                        });
-  primitives_.record_exclusive_scan(recorder, axis.name + ".scan", columns, columns, total, grid.bricks.w);
+  primitives_.record_exclusive_scan(recorder, axis.name + ".scan", columns, columns, total, column_count);
   record_base(recorder, sources, axis, total, 0);
   raster_.record_tiles(recorder, axis.name + ".fill", view, *bins, touched_, "abuffer_fill_touched",
                        [&](PassBuilder& pass) {
@@ -154,10 +155,8 @@ void AbufferLists::record_packed(ScheduleRecorder& recorder, const AbufferGrid& 
   const LayeredRaster::Stored stored = raster_.record_stored(recorder, axis.name, view, store);
   record_base(recorder, sources, axis, stored.pixel_start, axis_pixels(grid, static_cast<int>(axis.index)));
   PassBuilder pass = recorder.pass(axis.name + ".pack", pack_, exact ? "abuffer_pack_exact" : "abuffer_pack_parity");
-  pass.global(axis_rows(grid, static_cast<int>(axis.index)))
-      .local(1)
-      .arg("pixel_start", stored.pixel_start)
-      .arg("fragments", stored.fragments);
+  deal_rows(pass, axis_rows(grid, static_cast<int>(axis.index)), *device_);
+  pass.arg("pixel_start", stored.pixel_start).arg("fragments", stored.fragments);
   bind_lists(pass, sources, axis);
   if (exact)
     pass.arg("abuffer_planes", sources.planes);
@@ -168,10 +167,9 @@ void AbufferLists::record_packed(ScheduleRecorder& recorder, const AbufferGrid& 
 void AbufferLists::record_voxels(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const {
   for (uint32_t k = 0; k < 3; ++k) {
     const Axis axis(kind_, k);
-    recorder.pass(axis.name + ".mark_voxels", voxels_, "abuffer_mark_fragment_voxels")
-        .global(axis_rows(grid, static_cast<int>(k)))
-        .local(1)
-        .arg("abuffer_grid", sources.grid)
+    PassBuilder pass = recorder.pass(axis.name + ".mark_voxels", voxels_, "abuffer_mark_fragment_voxels");
+    deal_rows(pass, axis_rows(grid, static_cast<int>(k)), *device_);
+    pass.arg("abuffer_grid", sources.grid)
         .arg("abuffer_start", start_)
         .arg("abuffer_depths", depths_)
         .arg("abuffer_counts", sources.counts)
@@ -200,9 +198,8 @@ void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& g
     const Axis axis(kind_, k);
     PassBuilder pass = recorder.pass(axis.name + (exact ? ".mark_cells" : ".mark_walls"), cells_,
                                      exact ? "abuffer_mark_cells_of_row" : "abuffer_mark_walls_of_row");
-    pass.global(axis_rows(grid, static_cast<int>(k)))
-        .local(1)
-        .arg("abuffer_grid", sources.grid)
+    deal_rows(pass, axis_rows(grid, static_cast<int>(k)), *device_);
+    pass.arg("abuffer_grid", sources.grid)
         .arg("abuffer_start", start_)
         .arg("abuffer_depths", depths_)
         .arg("abuffer_counts", sources.counts)
@@ -221,10 +218,8 @@ void AbufferLists::record_attributes(ScheduleRecorder& recorder, const AbufferGr
   PassBuilder pass = recorder.pass(axis.name + ".store_attributes", attributes_program_, "abuffer_store_attributes");
   buffers_->bind(pass);
   bind_lists(pass, sources, axis);
-  pass.global(axis_rows(grid, static_cast<int>(axis.index)))
-      .local(1)
-      .arg("abuffer_triangles", sources.triangles)
-      .arg("abuffer_attributes", attributes_);
+  deal_rows(pass, axis_rows(grid, static_cast<int>(axis.index)), *device_);
+  pass.arg("abuffer_triangles", sources.triangles).arg("abuffer_attributes", attributes_);
 }
 
 }  // namespace lucarium::abuffer

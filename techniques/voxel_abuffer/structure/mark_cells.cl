@@ -37,13 +37,13 @@ static void abuffer_give_marks(AbufferTouchedCells* marks, uint z, uint word, ui
 __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid, __global const uint* abuffer_start,
                                         __global const uint* abuffer_depths, __global const uint* abuffer_counts,
                                         uint axis, uint first, uint capacity, __global const uint* abuffer_voxels,
-                                        uint cell_capacity, __global ulong* abuffer_cells) {
+                                        uint cell_capacity, __global ulong* abuffer_cells, DEALT_ROW_PARAMETER) {
   const AbufferGrid grid = abuffer_grid[0];
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis));
   const uint depth = abuffer_component(grid.voxels, axis);
   const uint steps = (uint)ABUFFER_DEPTH_STEPS * edge / ABUFFER_CELLS;  // of a cell
   const ulong per_step = 0xfffffffful / steps + 1ul;
-  const uint row = get_global_id(0);
+  const uint row = DEALT_ROW;
   if (row >= abuffer_component(grid.voxels, abuffer_axis_y(axis))) return;
   if (abuffer_counts[first + axis + 1u] > capacity || abuffer_counts[ABUFFER_COUNT_CELLS] > cell_capacity) return;
   AbufferSections sections;

@@ -15,10 +15,10 @@ static float abuffer_fragment_depth(uint word, bool exact) {
 __kernel void abuffer_mark_fragment_voxels(__global const AbufferGrid* abuffer_grid, __global const uint* abuffer_start,
                                            __global const uint* abuffer_depths, __global const uint* abuffer_counts,
                                            uint axis, uint first, uint capacity, uint bits,
-                                           __global uint* abuffer_voxels) {
+                                           __global uint* abuffer_voxels, DEALT_ROW_PARAMETER) {
   const AbufferGrid grid = abuffer_grid[0];
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis));
-  const uint last = abuffer_component(grid.voxels, axis) - 1u, row = get_global_id(0);
+  const uint last = abuffer_component(grid.voxels, axis) - 1u, row = DEALT_ROW;
   if (row >= abuffer_component(grid.voxels, abuffer_axis_y(axis)) || abuffer_counts[first + axis + 1u] > capacity)
     return;
   __global const uint* start = abuffer_start + axis * grid.bricks.w + row * columns * edge * edge;

@@ -40,11 +40,16 @@ __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __gl
       }
 }
 
-// Cell blocks of each voxel. walls: those of parity, too (mark_walls.cl).
-__kernel void abuffer_count_cells(__global const uint* abuffer_voxels, uint count, uint walls,
+// Cell blocks of each brick. kinds: of the voxels' bits those that have cells.
+__kernel void abuffer_count_cells(__global const uint* abuffer_voxels, uint count, uint kinds,
                                   __global uint* abuffer_cell_first) {
-  const uint i = get_global_id(0), kinds = walls ? ABUFFER_OCCUPIED : ABUFFER_EXACT_AXES;
-  if (i < count) abuffer_cell_first[i] = popcount(abuffer_voxels[i] & kinds);
+  const uint brick = get_global_id(0);
+  if (brick >= count) return;
+  uint16 sum = (uint16)(0u);
+  for (uint i = 0u; i < 4u; ++i) sum += popcount(vload16(4u * brick + i, abuffer_voxels) & kinds);
+  const uint8 eight = sum.lo + sum.hi;
+  const uint4 four = eight.lo + eight.hi;
+  abuffer_cell_first[brick] = four.x + four.y + four.z + four.w;
 }
 
 __kernel void abuffer_keep_cell_count(__global const uint* abuffer_cell_count, __global uint* abuffer_counts) {
@@ -52,15 +57,18 @@ __kernel void abuffer_keep_cell_count(__global const uint* abuffer_cell_count, _
 }
 
 // A bit for each occupied voxel of a brick, and the place of each voxel's cells (abuffer_cell_first: scanned).
-__kernel void abuffer_mark_bricks(__global const uint* abuffer_cell_first, uint count, __global uint* abuffer_voxels,
-                                  __global ulong* abuffer_bricks) {
+__kernel void abuffer_mark_bricks(__global const uint* abuffer_cell_first, uint count, uint kinds,
+                                  __global uint* abuffer_voxels, __global ulong* abuffer_bricks) {
   const uint brick = get_global_id(0);
   if (brick >= count) return;
+  uint cell = abuffer_cell_first[brick];
   ulong bits = 0ul;
   for (uint i = 0u; i < 64u; ++i) {
     const uint voxel = brick * 64u + i, word = abuffer_voxels[voxel];
-    bits |= (ulong)((word & ABUFFER_OCCUPIED) != 0u) << i;
-    abuffer_voxels[voxel] = word | abuffer_cell_first[voxel] << ABUFFER_CELLS_SHIFT;
+    if (!(word & ABUFFER_OCCUPIED)) continue;
+    bits |= 1ul << i;
+    abuffer_voxels[voxel] = word | cell << ABUFFER_CELLS_SHIFT;
+    cell += popcount(word & kinds);
   }
   abuffer_bricks[brick] = bits;
 }

@@ -190,10 +190,10 @@ __kernel void abuffer_mark_walls_of_row(__global const AbufferGrid* abuffer_grid
                                         __global const float* abuffer_depths, __global const uint* abuffer_fragments,
                                         __global const uint* abuffer_counts, uint axis, uint first, uint capacity,
                                         __global const uint* abuffer_voxels, uint cell_capacity,
-                                        __global ulong* abuffer_cells) {
+                                        __global ulong* abuffer_cells, DEALT_ROW_PARAMETER) {
   const AbufferGrid grid = abuffer_grid[0];
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis));
-  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = get_global_id(0);
+  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = DEALT_ROW;
   const uint depth = abuffer_component(grid.voxels, axis);
   const int line = (int)edge, size = line * line, row_size = (int)columns * size;
   if (row >= rows) return;

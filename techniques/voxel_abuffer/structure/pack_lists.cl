@@ -15,7 +15,7 @@ __kernel void abuffer_add_base(__global const uint* pixel_start, uint pixels, ui
 #define ABUFFER_PACK(COPY, LEAVE)                                                                  \
   const AbufferGrid grid = abuffer_grid[0];                                                        \
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis)); \
-  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = get_global_id(0);  \
+  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = DEALT_ROW;  \
   const uint width = columns * edge;                                                               \
   if (row >= rows || abuffer_counts[first + axis + 1u] > capacity) return;                         \
   uint place = abuffer_counts[first + axis] + pixel_start[row * edge * width];                     \
@@ -36,7 +36,7 @@ __kernel void abuffer_pack_exact(__global const AbufferGrid* abuffer_grid, __glo
                                  __global const LayeredFragment* fragments, __global const AbufferPlane* abuffer_planes,
                                  __global const uint* abuffer_counts, uint axis, uint first, uint capacity,
                                  __global uint* abuffer_start, __global uint* abuffer_depths,
-                                 __global uint* abuffer_fragments) {
+                                 __global uint* abuffer_fragments, DEALT_ROW_PARAMETER) {
   ABUFFER_PACK({
     const uint triangle = fragments[i].triangle & ~LAYERED_AWAY;
     const AbufferPlane plane = abuffer_planes[triangle];
@@ -58,7 +58,8 @@ __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __gl
                                   __global const LayeredFragment* fragments, __global const uchar* abuffer_classes,
                                   __global const uint* abuffer_counts, uint axis, uint first, uint capacity,
                                   __global uint* abuffer_start, __global float* abuffer_depths,
-                                  __global uint* abuffer_fragments, __global int2* abuffer_facing) {
+                                  __global uint* abuffer_fragments, __global int2* abuffer_facing,
+                                  DEALT_ROW_PARAMETER) {
   const float corner = axis == 0u   ? abuffer_grid[0].corner.x
                        : axis == 1u ? abuffer_grid[0].corner.y
                                     : abuffer_grid[0].corner.z;

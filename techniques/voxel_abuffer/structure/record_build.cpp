@@ -51,21 +51,23 @@ void VoxelAbuffer::State::record_voxels(ScheduleRecorder& recorder, const Abuffe
 
 /// Bricks, the cells that exact fragments touch, and those in which states change. Search by planes looks at no states.
 void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const AbufferLists::Sources& sources) {
-  const auto voxel_count = static_cast<uint32_t>(64 * brick_count(grid));
+  const auto brick_total = static_cast<uint32_t>(brick_count(grid));
   const bool walls = parity && options.intersect != Intersect::plane;
-  const BufferRef cell_first = recorder.transient<uint32_t>("cell_first", voxel_count, coarser_grid);
+  const uint32_t kinds = walls ? ABUFFER_OCCUPIED : ABUFFER_EXACT_AXES;
+  const BufferRef cell_first = recorder.transient<uint32_t>("cell_first", brick_total, coarser_grid);
   const BufferRef cell_count = recorder.transient<uint32_t>("cell_count", 1);
   recorder.pass("count_cells", voxel_program, "abuffer_count_cells")
-      .global(voxel_count)
+      .global(brick_total)
       .arg("abuffer_voxels", voxels)
-      .arg("count", voxel_count)
-      .arg("walls", walls ? 1u : 0u)
+      .arg("count", brick_total)
+      .arg("kinds", kinds)
       .arg("abuffer_cell_first", cell_first);
-  primitives.record_exclusive_scan(recorder, "scan_cells", cell_first, cell_first, cell_count, voxel_count);
+  primitives.record_exclusive_scan(recorder, "scan_cells", cell_first, cell_first, cell_count, brick_total);
   recorder.pass("mark_bricks", voxel_program, "abuffer_mark_bricks")
-      .global(brick_count(grid))
+      .global(brick_total)
       .arg("abuffer_cell_first", cell_first)
-      .arg("count", static_cast<uint32_t>(brick_count(grid)))
+      .arg("count", brick_total)
+      .arg("kinds", kinds)
       .arg("abuffer_voxels", voxels)
       .arg("abuffer_bricks", bricks);
   recorder.pass("mark_empty", voxel_program, "abuffer_mark_empty")
@@ -83,9 +85,9 @@ void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const Abuffer
   if (walls) parity->record_cells(recorder, grid, sources);
   if (!walls) return;
   recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
-      .global(voxel_count)
+      .global(64 * brick_total)
       .arg("abuffer_voxels", voxels)
-      .arg("count", voxel_count)
+      .arg("count", 64 * brick_total)
       .arg("abuffer_counts", counts)
       .arg("cell_capacity", sources.cell_capacity)
       .arg("abuffer_cells", cells);

@@ -12,10 +12,10 @@ __kernel void abuffer_store_attributes(__global const AbufferGrid* abuffer_grid,
                                        __global const float* abuffer_triangles, __global const uint* abuffer_counts,
                                        uint axis, uint first, uint capacity, __global const uint* abuffer_start,
                                        __global const float* abuffer_depths, __global const uint* abuffer_fragments,
-                                       __global AbufferAttributes* abuffer_attributes) {
+                                       __global AbufferAttributes* abuffer_attributes, DEALT_ROW_PARAMETER) {
   const AbufferGrid grid = abuffer_grid[0];
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis)) * edge * edge;
-  const uint row = get_global_id(0);
+  const uint row = DEALT_ROW;
   if (row >= abuffer_component(grid.voxels, abuffer_axis_y(axis)) || abuffer_counts[first + axis + 1u] > capacity)
     return;
   __global const uint* start = abuffer_start + axis * grid.bricks.w;

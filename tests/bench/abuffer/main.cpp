@@ -106,7 +106,8 @@ void measure_builds(KernelScheduler& scheduler, Field& field, const Options& opt
                field.bvh.statistics().bytes);
   if (!options.profile) return;
   scheduler.reset_profile();
-  for (const Structure& structure : field.structures) structure.rebuild();
+  for (int i = 0; i < options.rounds; ++i)
+    for (const Structure& structure : field.structures) structure.rebuild();
   fmt::print("{}\n", scheduler.profile().table());
 }
 
@@ -142,7 +143,7 @@ int main(int argc, char** argv) {
   app.add_option("--grid", options.grid, "grid_size");
   app.add_option("--threads", options.threads, "of the device");
   app.add_option("--modes", options.modes, structure_modes);
-  app.add_flag("--profile", options.profile, "the passes of a build");
+  app.add_flag("--profile", options.profile, "the passes of as many builds as rounds");
   app.add_flag("--ratios", options.ratios, "what voxel_abuffer is judged by, with bars; take --threads 2");
   app.add_flag("--motion", options.motion, "frames of animations, rebuilt, refitted and through the structure");
   app.add_option("--only", options.only, "of --motion: animations whose names hold this");

@@ -20,6 +20,8 @@ constexpr double queued_seconds_limit = 0.05;
 constexpr size_t queued_slices = 2;
 /// Expected of a step that was never measured.
 constexpr double unknown_step_seconds = 0.005;
+constexpr size_t large_fill = 1u << 18;  // bytes: 10 µs or more, several times what a launch takes
+constexpr size_t fill_step = 4096;       // parts of fills begin at multiples of it
 
 std::string size_text(const std::array<size_t, 3>& size) { return fmt::format("{}x{}x{}", size[0], size[1], size[2]); }
 
@@ -244,17 +246,23 @@ void ScheduleRun::launch_failed(const CompiledStep& of, cl_int code, const std::
       state_.where(of), size_text(global), size_text(of.local), device_.info().name, opencl_error_name(code), hint);
 }
 
+/// Drivers of processors fill with one thread: where passes may run at once, each thread fills a part of what is large.
 void ScheduleRun::enqueue_fill(size_t index) {
   const CompiledStep& fill = step(index);
   const size_t bytes = state_.bytes(fill.target);
-  if (bytes == 0) return;
   const cl_uint zeros[4] = {0, 0, 0, 0};
-  const size_t pattern_bytes = bytes % 16 == 0 ? 16 : bytes % 4 == 0 ? 4 : 1;
-  cl_event event = nullptr;
-  check_opencl(clEnqueueFillBuffer(queue_, state_.handle(fill.target), zeros, pattern_bytes, 0, bytes, wait_count(),
-                                   wait_list(), &event),
-               "clEnqueueFillBuffer", state_.where(fill), device_);
-  add_event(index, true, event, bytes);
+  const bool in_parts = options_.overlap && bytes >= large_fill && device_.info().type == DeviceType::cpu;
+  const size_t parts = in_parts ? std::max(1u, device_.info().compute_units) : 1;
+  const size_t part = (bytes / parts + fill_step - 1) / fill_step * fill_step;
+  for (size_t begin = 0; begin < bytes; begin += part) {
+    const size_t filled = std::min(part, bytes - begin);
+    const size_t pattern_bytes = filled % 16 == 0 ? 16 : filled % 4 == 0 ? 4 : 1;
+    cl_event event = nullptr;
+    check_opencl(clEnqueueFillBuffer(queue_, state_.handle(fill.target), zeros, pattern_bytes, begin, filled,
+                                     wait_count(), wait_list(), &event),
+                 "clEnqueueFillBuffer", state_.where(fill), device_);
+    add_event(index, begin == 0, event, filled);
+  }
 }
 
 void ScheduleRun::enqueue_read_back(size_t index) {

@@ -9,6 +9,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/device/degenerate_triangle.h"
+#include "lucarium/services/dealt_rows/dealt_rows.h"
 #include "lucarium/services/layered_raster/state.h"
 
 namespace lucarium {
@@ -240,9 +241,8 @@ void LayeredRaster::State::record_each_tile(ScheduleRecorder& recorder, const st
                                             const std::function<void(PassBuilder&)>& bind) const {
   const uint32_t tiles = divide_up(options.max_width, lanes) * divide_up(options.max_height, LAYERED_TILE_ROWS);
   PassBuilder pass = recorder.pass(name, consumer, kernel);
-  pass.global(divide_up(tiles, LAYERED_TILE_RUNS) * LAYERED_TILE_RUNS)
-      .local(1)
-      .slice(slice_pixels / (lanes * LAYERED_TILE_ROWS));
+  deal_rows(pass, tiles, scheduler.device());
+  pass.slice(slice_pixels / (lanes * LAYERED_TILE_ROWS));
   bind_tiles(pass, view, bins, 0);
   bind(pass);
 }
@@ -252,7 +252,8 @@ void LayeredRaster::State::record_rows(ScheduleRecorder& recorder, const std::st
                                        uint32_t parity, uint32_t rows,
                                        const std::function<void(PassBuilder&)>& bind) const {
   PassBuilder pass = recorder.pass(name, consumer, kernel);
-  pass.global(rows).local(1).slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
+  deal_rows(pass, rows, scheduler.device());
+  pass.slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
   bind_tiles(pass, view, bins, parity);
   bind(pass);
 }

@@ -41,12 +41,26 @@ __kernel void scan_chunk_sums(__global uint* chunk_sums, uint chunks, __global u
   total[total_index] = sum;
 }
 
+// The sums of what is before each of eight numbers.
+static uint8 sums_before(uint8 numbers) {
+  uint8 sums = numbers + (uint8)(0u, numbers.s0, numbers.s12, numbers.s3456);
+  sums += (uint8)((uint2)(0u), sums.s01, sums.s2345);
+  sums += (uint8)((uint4)(0u), sums.lo);
+  return sums - numbers;
+}
+
 // `in` is not const because it may be `out`.
 __kernel void scan_chunks(__global uint* in, __global uint* out, __global const uint* chunk_sums, uint chunks) {
   const uint chunk = get_global_id(0), first = chunk * CHUNK;
   const uint end = min(first + CHUNK, chunk_sums[chunks]);
   uint sum = chunk_sums[chunk];
-  for (uint i = first; i < end; ++i) {
+  uint i = first;
+  for (; i + 8u <= end; i += 8u) {
+    const uint8 numbers = vload8(0, in + i), before = sums_before(numbers) + sum;
+    vstore8(before, 0, out + i);
+    sum = before.s7 + numbers.s7;
+  }
+  for (; i < end; ++i) {
     const uint value = in[i];
     out[i] = sum;
     sum += value;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/services/dealt_rows/dealt_rows.h"
 #include "lucarium/shared/scene_types.h"
 
 namespace lucarium {
@@ -83,9 +84,8 @@ void KeptRows::record_walk(ScheduleRecorder& recorder, const std::string& name, 
                            const std::function<void(PassBuilder&)>& bind) const {
   for (uint32_t parity = 0; parity < std::min(2u, rows_); ++parity) {
     PassBuilder pass = recorder.pass(name + (parity ? ".odd_rows" : ".even_rows"), program, kernel);
-    pass.global(divide_up(rows_ - parity, 2))
-        .local(1)
-        .slice(kSliceRows)
+    deal_rows(pass, divide_up(rows_ - parity, 2), scheduler_->device());
+    pass.slice(kSliceRows)
         .arg("kept_words", words_)
         .arg("kept_starts", starts_)
         .arg("kept_rows", rows_)

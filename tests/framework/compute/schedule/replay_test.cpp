@@ -124,6 +124,23 @@ TEST_CASE("the same schedule gives the same bits in every mode, again and again"
   }
 }
 
+TEST_CASE("large fills reach from the first byte to the last in every mode") {
+  for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap})
+    for (const size_t count : {size_t{1} << 16, (size_t{1} << 16) + 1, (size_t{3} << 16) + 7}) {
+      KernelScheduler scheduler(test_device(), {mode, true, false});
+      const auto words = make_buffer("words", Uints(count, 5));
+      ScheduleRecorder recorder = scheduler.record("large fill", "test");
+      recorder.fill_zero("clear", words);
+      Schedule schedule = recorder.compile();
+      scheduler.run(schedule);
+      scheduler.finish();
+      CHECK(words.download() == Uints(count, 0));
+      REQUIRE(scheduler.profile().passes.size() == 1);
+      CHECK(scheduler.profile().passes[0].count == 1);
+      CHECK(scheduler.profile().passes[0].bytes == 4.0 * static_cast<double>(count));
+    }
+}
+
 TEST_CASE("warm_up touches no caller's buffer and runs no host step, and the first run is right") {
   KernelScheduler scheduler(test_device());
   TwoChains chains(scheduler, true);
