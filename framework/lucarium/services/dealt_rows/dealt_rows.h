@@ -11,7 +11,7 @@ namespace lucarium {
 /// read.
 void deal_rows(PassBuilder& pass, size_t rows, const Device& device);
 
-/// Of passes whose size is set already.
+/// That argument, for passes whose size is set elsewhere.
 uint32_t dealt_columns(const Device& device);
 
 }  // namespace lucarium

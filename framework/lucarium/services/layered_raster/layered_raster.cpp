@@ -241,8 +241,7 @@ void LayeredRaster::State::record_each_tile(ScheduleRecorder& recorder, const st
                                             const std::function<void(PassBuilder&)>& bind) const {
   const uint32_t tiles = divide_up(options.max_width, lanes) * divide_up(options.max_height, LAYERED_TILE_ROWS);
   PassBuilder pass = recorder.pass(name, consumer, kernel);
-  deal_rows(pass, tiles, scheduler.device());
-  pass.slice(slice_pixels / (lanes * LAYERED_TILE_ROWS));
+  pass.global(tiles).local(1).slice(slice_pixels / (lanes * LAYERED_TILE_ROWS));
   bind_tiles(pass, view, bins, 0);
   bind(pass);
 }
@@ -252,8 +251,7 @@ void LayeredRaster::State::record_rows(ScheduleRecorder& recorder, const std::st
                                        uint32_t parity, uint32_t rows,
                                        const std::function<void(PassBuilder&)>& bind) const {
   PassBuilder pass = recorder.pass(name, consumer, kernel);
-  deal_rows(pass, rows, scheduler.device());
-  pass.slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
+  pass.global(rows).local(1).slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
   bind_tiles(pass, view, bins, parity);
   bind(pass);
 }
@@ -269,7 +267,8 @@ void LayeredRaster::State::bind_tiles(PassBuilder& pass, const ViewRef& view, co
       .arg("layered_triangles", triangles)
       .arg("layered_starts", bins.starts)
       .arg("layered_pairs", bins.pairs)
-      .arg("layered_parity", parity);
+      .arg("layered_parity", parity)
+      .arg("dealt_columns", dealt_columns(scheduler.device()));
 }
 
 LayeredRaster::LayeredRaster(KernelScheduler& scheduler, const SceneBuffers& scene, const LayeredRasterOptions& options,
