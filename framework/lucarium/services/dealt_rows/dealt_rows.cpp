@@ -8,13 +8,13 @@ namespace lucarium {
 
 namespace {
 
-constexpr uint32_t most_columns = 16;
+constexpr uint32_t max_columns = 16;
 
 }  // namespace
 
 uint32_t dealt_columns(const Device& device) {
   if (device.info().type != DeviceType::cpu) return 1;
-  return std::min(most_columns, std::bit_ceil(std::max(1u, device.info().compute_units)));
+  return std::min(max_columns, std::bit_ceil(std::max(1u, device.info().compute_units)));
 }
 
 void deal_rows(PassBuilder& pass, size_t rows, const Device& device) {
