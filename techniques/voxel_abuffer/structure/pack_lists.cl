@@ -15,7 +15,7 @@ __kernel void abuffer_add_base(__global const uint* pixel_start, uint pixels, ui
 #define ABUFFER_PACK(COPY, LEAVE)                                                                  \
   const AbufferGrid grid = abuffer_grid[0];                                                        \
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis)); \
-  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = DEALT_ROW;  \
+  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = DEALT_ROW;         \
   const uint width = columns * edge;                                                               \
   if (row >= rows || abuffer_counts[first + axis + 1u] > capacity) return;                         \
   uint place = abuffer_counts[first + axis] + pixel_start[row * edge * width];                     \
