@@ -31,7 +31,7 @@ void print_error(std::string message, const std::string& details) {
 }
 
 /// Every frame that is shown takes memory for its images. The C library gives it back to the system and has it cleared
-/// again, which takes longer than what is done with it: this much is kept instead.
+/// again, which takes longer than what is done with it: so much is kept instead, in images of 32 MiB at the most.
 void keep_freed_memory() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 32 << 20);

@@ -222,7 +222,7 @@ void BundleEdges::warm_up() {
 }
 
 size_t BundleEdges::estimate_bytes(const Plan& plan, size_t triangles) {
-  // Sorting takes as much again.
+  // Keys, order and triangles that rays leave; sorting takes the first two again.
   return size_t{plan.settings.pixels} * 5 * sizeof(uint32_t) + plan.settings.bundles * sizeof(LayeredView) +
          LayeredRaster::estimate_bytes(triangles, raster_options(plan), store_options(plan)) +
          (plan.keeps_bundles() ? KeptBundles::estimate_bytes(plan) : 0);

@@ -109,16 +109,15 @@ __kernel void look_up_bundle(LUCARIUM_SCENE_PARAMETERS uint number, uint chunk, 
   if (first >= end) return;
   LUCARIUM_SCENE_BIND(scene);
   const FragmentList list = {views + number, pixel_start + start_base, fragments + fragment_base};
-  for (uint k = first; k < end;) {
+  for (uint k = first; k < end; k += 8u) {
+    const uint stop = min(k + 8u, end);
 #ifdef LOOK_UP_EIGHT
-    if (k + 8u <= end && look_up8(&scene, &list, k, order, rays, left, hits)) {
-      k += 8u;
-      continue;
-    }
+    if (stop == k + 8u && look_up8(&scene, &list, k, order, rays, left, hits)) continue;
 #endif
-    const uint i = order[k];
-    hits[i] = look_up(&scene, &list, rays[i], left[i]);
-    ++k;
+    for (uint one = k; one < stop; ++one) {
+      const uint i = order[one];
+      hits[i] = look_up(&scene, &list, rays[i], left[i]);
+    }
   }
 }
 

@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "file_size_limit.h"
 #include "hostile_images.h"
@@ -85,6 +88,20 @@ TEST_CASE("bad pixels are found where they are") {
   CHECK(bad.first_layer == "direct");
   CHECK(bad.first_x == 3);
   CHECK(bad.first_y == 1);
+}
+
+TEST_CASE("the image is the sum of the additive layers, at every pixel of a large one") {
+  Film film(67, 41);
+  const std::vector<std::string> rgb = {"R", "G", "B"};
+  std::vector<float> expected(film.pixel_count() * 3);
+  for (const auto& [name, factor, additive] : {std::tuple("a", 1.f, true), {"b", 0.25f, true}, {"c", 8.f, false}}) {
+    std::vector<float>& pixels = film.layer(name, rgb, additive).pixels;
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      pixels[i] = factor * static_cast<float>(i);
+      if (additive) expected[i] += pixels[i];
+    }
+  }
+  CHECK(film.image() == expected);
 }
 
 TEST_CASE("one bad value of any kind is found, and zeros of either sign, the largest and the least number are none") {

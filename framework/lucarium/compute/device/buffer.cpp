@@ -47,7 +47,11 @@ struct Buffer::Storage {
 
   void create_in_host_memory(const std::string& remedy) {
     const std::string advice = remedy.empty() ? "" : "; " + remedy;
-    const size_t available = available_host_memory();
+    size_t available = available_host_memory();
+    if (allocated > available) {
+      give_back_freed_memory();
+      available = available_host_memory();
+    }
     if (allocated > available) {
       throw_error(ErrorClass::device, "not enough host memory: {} of {} needs {}, the machine has {} left{}{}", name,
                   owner, format_bytes(allocated), format_bytes(available), device->memory().holders(), advice);

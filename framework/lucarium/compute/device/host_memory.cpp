@@ -10,6 +10,10 @@
 #include <optional>
 #include <string>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace lucarium {
 namespace {
 
@@ -55,6 +59,12 @@ size_t control_group_available() {
 }
 
 }  // namespace
+
+void give_back_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
 
 size_t available_host_memory() { return std::min(meminfo_available(), control_group_available()); }
 

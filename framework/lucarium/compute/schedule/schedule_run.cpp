@@ -253,7 +253,7 @@ void ScheduleRun::enqueue_fill(size_t index) {
   const cl_uint zeros[4] = {0, 0, 0, 0};
   const bool in_parts = options_.overlap && bytes >= large_fill && device_.info().type == DeviceType::cpu;
   const size_t parts = in_parts ? std::max(1u, device_.info().compute_units) : 1;
-  const size_t part = (bytes / parts + fill_step - 1) / fill_step * fill_step;
+  const size_t part = (bytes + parts * fill_step - 1) / (parts * fill_step) * fill_step;
   for (size_t begin = 0; begin < bytes; begin += part) {
     const size_t filled = std::min(part, bytes - begin);
     const size_t pattern_bytes = filled % 16 == 0 ? 16 : filled % 4 == 0 ? 4 : 1;

@@ -31,7 +31,8 @@ class LayerSums {
   /// For that pass: whether it is, once.
   bool take_forgotten() { return std::exchange(forgotten_, false); }
   /// Adds every layer's mean to the film's additive layer of the same name; black where there is no sample. The device
-  /// must have finished. Not `additive`: the layers show parts of others, and are none of the image.
+  /// must have finished, and no run may begin meanwhile. Not `additive`: the layers show parts of others, and are none
+  /// of the image.
   void write(Film& film, bool additive = true) const;
   static size_t estimate_bytes(size_t pixels, size_t layers) { return pixels * layers * sizeof(float4); }
 

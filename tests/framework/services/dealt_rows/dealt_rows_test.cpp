@@ -70,16 +70,18 @@ TEST_CASE("passes of dealt rows take each row once, in as many columns as thread
   }
   KernelScheduler scheduler(device);
   const Program program = make_program(*device, test_services_kernels(), {noting}, {});
-  for (const uint32_t rows : {1u, 5u, 160u}) {
-    TypedBuffer<uint32_t> times(*device, "test", "times", rows);
-    times.fill_zero();
-    ScheduleRecorder recorder = scheduler.record("dealt rows", "test");
-    PassBuilder pass = recorder.pass("note rows", program, "note_own_rows");
-    deal_rows(pass, rows, *device);
-    pass.arg("times", times);
-    Schedule schedule = recorder.compile();
-    scheduler.run(schedule);
-    scheduler.finish();
-    CHECK(times.download() == std::vector<uint32_t>(rows, 1));
-  }
+  for (const uint32_t rows : {1u, 5u, 160u})
+    for (const bool in_slices : {false, true}) {
+      TypedBuffer<uint32_t> times(*device, "test", "times", rows);
+      times.fill_zero();
+      ScheduleRecorder recorder = scheduler.record("dealt rows", "test");
+      PassBuilder pass = recorder.pass("note rows", program, in_slices ? "note_rows_of_slices" : "note_own_rows");
+      deal_rows(pass, rows, *device);
+      pass.arg("times", times);
+      if (in_slices) pass.slice(7).arg("count", rows);
+      Schedule schedule = recorder.compile();
+      scheduler.run(schedule);
+      scheduler.finish();
+      CHECK(times.download() == std::vector<uint32_t>(rows, 1));
+    }
 }
