@@ -98,7 +98,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
 
   std::string state_refusal() const override { return {}; }
   std::vector<std::string> parameters_of_view() const override {
-    return {"camera_samples", "eye_interp", "inspect_line", "preview"};
+    return {"cache_visibility", "camera_samples", "eye_interp", "inspect_line", "preview"};
   }
 
   InspectedValues inspect(const SeenPoint& point) const override {

@@ -202,6 +202,8 @@ TEST_CASE("a field of something else is refused, with the reason") {
   check_refusal(load(scene, saved_field, {.max_bounces = 2}), ErrorClass::usage, "it was saved with --max-bounces -1");
   CHECK(picture(*loaded(saved.file, scene, with(saved_field, {{"camera_samples", "9"}, {"eye_interp", "nearest"}})))
             .size() > 0);
+  const Options same_light = {{"cache_visibility", "0"}, {"inspect_line", "3"}, {"preview", "off"}};
+  CHECK(picture(*loaded(saved.file, scene, with(saved_field, same_light))) == picture(*saved.by));
 }
 
 TEST_CASE("values that no propagation brings are refused: NaN, other numbers of cells and sides, absurd sizes") {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Outputs: nothing is replaced unasked, nothing is lost, nothing that a terminal obeys is printed.
+#include <sys/stat.h>
+
 #include <fstream>
 #include <iterator>
 
@@ -17,6 +19,17 @@ TEST_CASE("two outputs of one name, of which the later replaced the earlier, are
   check_refused(render + " -o " + same, 2, "are the same file");
   check_refused("scene builtin:cornell --atlas " + png + " --atlas-view " + same, 2, "are the same file");
   CHECK(count_files(folder.path()) == 0);
+}
+
+TEST_CASE("a pipe or a device was replaced by the file that was to be written into it") {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder.path() / "pipe.png").string();
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  for (const char* output : {"-t virtual_light_field --save-state ", "-t path_tracing -o "}) {
+    check_refused("render builtin:cornell --overwrite " + std::string(output) + pipe, 2,
+                  "pipe.png is a pipe or a device");
+    CHECK(std::filesystem::is_fifo(pipe));
+  }
 }
 
 TEST_CASE("a folder for manual pages that cannot be made is an input error; pages are replaced only when asked") {
