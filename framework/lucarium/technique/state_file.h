@@ -3,12 +3,14 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "lucarium/base/hash.h"
 #include "lucarium/technique/technique_state.h"
 
 namespace lucarium {
@@ -34,6 +36,7 @@ struct StateChunk {
   bool compressed = false;
   uint64_t stored_bytes = 0;
   uint64_t offset = 0;  ///< of its data in the file
+  Hash128 checksum;     ///< of them
 };
 
 /// Writes what `put_chunks` puts, whole or not at all. Replaces what is there: callers ask before. Throws Error{input}
@@ -42,7 +45,8 @@ void write_state_file(const std::filesystem::path& file, const StateHeader& head
                       const std::function<void(StateWriter&)>& put_chunks);
 
 /// A state in a file. Opening it reads all of it once: anything that is cut off, damaged or impossible is Error{input},
-/// and so is a file of a newer form.
+/// and so is a file of a newer form. The file stays open: chunks are its own though another one takes its name, as when
+/// the state is saved again.
 class StateFile : public StateReader {
  public:
   explicit StateFile(std::filesystem::path file);
@@ -61,6 +65,7 @@ class StateFile : public StateReader {
  private:
   const StateChunk* find(const std::string& name) const;
   std::filesystem::path file_;
+  mutable std::ifstream in_;  ///< reading moves it
   StateHeader header_;
   std::vector<StateChunk> chunks_;
   uint64_t file_bytes_ = 0;

@@ -25,7 +25,8 @@ constexpr const char* again = "; save the state again";
 /// Reads a file from its beginning to its end; complaints name it.
 class Input {
  public:
-  explicit Input(const std::filesystem::path& file) : file_(file) {
+  /// Opens it.
+  Input(const std::filesystem::path& file, std::ifstream& in) : file_(file), in_(in) {
     require_regular_file(file);
     errno = 0;
     in_.open(file, std::ios::binary);
@@ -69,7 +70,7 @@ class Input {
 
  private:
   std::filesystem::path file_;
-  std::ifstream in_;
+  std::ifstream& in_;
   uint64_t bytes_ = 0, position_ = 0;
 };
 
@@ -142,9 +143,10 @@ std::vector<StateChunk> read_chunks(Input& in) {
                      .elements = record.elements,
                      .compressed = record.encoding == Encoding::zlib,
                      .stored_bytes = record.stored_bytes,
-                     .offset = in.position()};
+                     .offset = in.position(),
+                     .checksum = record.data};
     check_sizes(in, chunk);
-    if (in.hash(chunk.stored_bytes, fmt::format("chunk '{}'", name)) != record.data)
+    if (in.hash(chunk.stored_bytes, fmt::format("chunk '{}'", name)) != chunk.checksum)
       in.fail(fmt::format("chunk '{}' is damaged", name));
     records.add(record);
     chunks.push_back(std::move(chunk));
@@ -154,7 +156,7 @@ std::vector<StateChunk> read_chunks(Input& in) {
 }  // namespace
 
 StateFile::StateFile(std::filesystem::path file) : file_(std::move(file)) {
-  Input in(file_);
+  Input in(file_, in_);
   file_bytes_ = in.bytes();
   header_ = read_header(in);
   chunks_ = read_chunks(in);
@@ -172,16 +174,17 @@ uint64_t StateFile::count(const std::string& name) const { return find(name)->el
 void StateFile::get_bytes(const std::string& name, void* target) const {
   const StateChunk& chunk = *find(name);
   const uint64_t bytes = chunk.elements * chunk.element_bytes;
-  std::ifstream in(file_, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(chunk.offset));
-  std::string stored(chunk.compressed ? chunk.stored_bytes : 0, '\0');
-  in.read(chunk.compressed ? stored.data() : static_cast<char*>(target),
-          static_cast<std::streamsize>(chunk.stored_bytes));
-  if (!in) fail(name, "it cannot be read any more");
+  std::string compressed(chunk.compressed ? chunk.stored_bytes : 0, '\0');
+  char* const stored = chunk.compressed ? compressed.data() : static_cast<char*>(target);
+  in_.clear();
+  in_.seekg(static_cast<std::streamoff>(chunk.offset));
+  in_.read(stored, static_cast<std::streamsize>(chunk.stored_bytes));
+  if (!in_) fail(name, "it cannot be read any more");
+  if (hash_bytes(stored, chunk.stored_bytes) != chunk.checksum) fail(name, "it has changed since the file was opened");
   if (!chunk.compressed) return;
   uLongf size = static_cast<uLongf>(bytes);
-  const int result = uncompress(static_cast<Bytef*>(target), &size, reinterpret_cast<const Bytef*>(stored.data()),
-                                static_cast<uLong>(stored.size()));
+  const int result = uncompress(static_cast<Bytef*>(target), &size, reinterpret_cast<const Bytef*>(stored),
+                                static_cast<uLong>(chunk.stored_bytes));
   if (result != Z_OK || size != bytes) fail(name, "its zlib stream is wrong");
 }
 

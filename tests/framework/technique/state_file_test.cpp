@@ -261,6 +261,24 @@ TEST_CASE("a file that changes behind its reader's back is an error, not a crash
   file.replace("");
   CHECK(message_of([&] { state.get<float>("light"); }) ==
         file.path().string() + ": chunk 'light': it cannot be read any more; save the state again");
+  std::string bytes = File().bytes();
+  const float other = 1.25f, was = 1.5f;
+  const auto at = std::search(bytes.begin(), bytes.end(), reinterpret_cast<const char*>(&was),
+                              reinterpret_cast<const char*>(&was + 1));
+  std::copy_n(reinterpret_cast<const char*>(&other), sizeof other, at);
+  file.replace(bytes);
+  CHECK(message_of([&] { state.get<float>("light"); }) ==
+        file.path().string() + ": chunk 'light': it has changed since the file was opened; save the state again");
+}
+
+TEST_CASE("a state that is saved again while it is read stays the one that was opened") {
+  const File file;
+  const StateFile state(file.path());
+  write_state_file(file.path(), some_header(), false,
+                   [](StateWriter& chunks) { chunks.put("light", std::vector<float>(10000, 9)); });
+  CHECK(state.get<float>("light") == std::vector<float>{0, 1.5f, -2, 1e30f});
+  CHECK(state.get<uint32_t>("index") == std::vector<uint32_t>(1000, 7));
+  CHECK(StateFile(file.path()).get<float>("light") == std::vector<float>(10000, 9));
 }
 
 TEST_CASE("writing is whole or not at all: what was there stays, and nothing lies beside it") {
