@@ -30,7 +30,7 @@ Soup dust(uint32_t count, float half) {
   return soup;
 }
 
-/// A camera's rays, rays of one direction from close by, and rays without order.
+/// A camera's rays, rays of one direction from close by, rays without order, and narrow cones of 16 rays.
 std::vector<Ray> rays_through_dust(uint32_t each) {
   std::vector<Ray> rays;
   Random random(5);
@@ -43,6 +43,10 @@ std::vector<Ray> rays_through_dust(uint32_t each) {
     for (int k = 0; k < 16; ++k) rays.push_back(make_ray(origin + random.in_cube(0.1f), direction));
   }
   for (uint32_t i = 0; i < each; ++i) rays.push_back(make_ray(random.in_cube(10), random.direction()));
+  for (uint32_t i = 0; i < each; i += 16) {
+    const glm::vec3 direction = random.direction(), origin = random.in_cube(10);
+    for (int k = 0; k < 16; ++k) rays.push_back(make_ray(origin, glm::normalize(direction + random.in_cube(0.05f))));
+  }
   return rays;
 }
 
