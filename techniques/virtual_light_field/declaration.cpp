@@ -4,18 +4,34 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "lucarium/base/error.h"
-#include "lucarium/shared/scene_types.h"
 #include "virtual_light_field/base/plan.h"
 #include "virtual_light_field/field/light_field.h"
 
 namespace lucarium::vlf {
+namespace {
+
+/// Whether a point of the material is a mirror or clear glass, at the smoothest texel of its texture.
+bool is_ideal_somewhere(const Scene& scene, SceneMaterial material) {
+  const int texture = std::exchange(material.metallic_roughness_texture, {}).texture;
+  if (texture >= 0) {
+    const std::vector<uint8_t>& rgba = scene.images[scene.textures[texture].image].rgba;
+    int least = 255;
+    for (size_t green = 1; green < rgba.size(); green += 4) least = std::min(least, int{rgba[green]});
+    material.roughness *= static_cast<float>(least) / 255;
+  }
+  return material.may_be_ideal();
+}
+
+}  // namespace
 
 TechniqueInfo technique_info() {
   TechniqueInfo info;
   info.name = "virtual_light_field";
-  info.version = "1.1";
+  info.version = "1.2";
   info.summary = "light field along fixed directions, propagated once and looked up in constant time";
   info.citation =
       "J. Mortensen, P. Khanna, M. Slater, Light Field Propagation and Rendering on the GPU, AFRIGRAPH 2007";
@@ -41,9 +57,8 @@ PathSet path_set(const Parameters& parameters, const Scene&, const RenderSetting
 }
 
 void check_parameters(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
-  const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-    return m.has_specular_lobes() && m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
-  });
+  const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                 [&](const SceneMaterial& m) { return is_ideal_somewhere(scene, m); });
   if (parameters.eye_specular == EyeLobes::vlf && settings.max_bounces >= 0 && ideal)
     throw Error(ErrorClass::usage,
                 "virtual_light_field: with eye_specular=vlf a mirror before the eye counts as a bounce; leave "

@@ -105,6 +105,7 @@ void FieldView::make_chains(Device& device, const SceneBuffers& scene, const Int
       .arg("points", eye_->points())
       .arg("count", pixels_)
       .arg("settings", settings_)
+      .arg("mirrors", options_.first_surface ? 1u : 0u)
       .arg("light", traced_)
       .arg("chains", chains_->chains())
       .arg("rays", chains_->first_rays())

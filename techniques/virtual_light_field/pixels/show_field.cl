@@ -25,7 +25,7 @@ __kernel LUCARIUM_FLATTEN void show_field(
     if (has_shown_lobe(&field, &place)) {
       const Surface surface = gbuffer_surface(&scene, point);
       const Bsdf bsdf = make_bsdf(&scene, &surface, LUCARIUM_BSDF_UNSAMPLED);
-      ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION;
+      ideal = bsdf.flags & LUCARIUM_BSDF_DELTA;
     }
     add_shown(&field, &place, &point, ideal, &once, &more);
   }

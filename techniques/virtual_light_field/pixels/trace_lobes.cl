@@ -54,7 +54,7 @@ bool chain_surface(Found* found, const Scene* scene, const SpecularChain* chain,
 }
 
 __kernel void begin_rays(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
-                         ChainSettings settings, __global float4* restrict light,
+                         ChainSettings settings, uint mirrors, __global float4* restrict light,
                          __global SpecularChain* restrict chains, __global Ray* restrict rays,
                          __global uint* restrict queue, __global uint* restrict active) {
   const uint i = get_global_id(0);
@@ -69,9 +69,10 @@ __kernel void begin_rays(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* 
     const Surface surface = gbuffer_surface(&scene, point);
     const Bsdf full = make_bsdf(&scene, &surface, 0u);
     Bsdf bsdf = specular_part(full);
-    // Ideal lobes belong to the G-buffer's path.
-    if (bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION) bsdf.f0 = (float3)(0.0f), bsdf.f90 = 0.0f;
-    if (bsdf.flags & LUCARIUM_BSDF_DELTA_TRANSMISSION) bsdf.transmission = (float3)(0.0f);
+    // Ideal lobes belong to the G-buffer's path, or to tiles, which hold all lobes of the surface.
+    const uint ideal = mirrors && bsdf.flags & LUCARIUM_BSDF_DELTA ? LUCARIUM_BSDF_DELTA : bsdf.flags;
+    if (ideal & LUCARIUM_BSDF_DELTA_REFLECTION) bsdf.f0 = (float3)(0.0f), bsdf.f90 = 0.0f;
+    if (ideal & LUCARIUM_BSDF_DELTA_TRANSMISSION) bsdf.transmission = (float3)(0.0f);
     choose_lobe_probabilities(&bsdf);
     SpecularChain chain = begin_chain(i, point.throughput.xyz, gbuffer_medium(point));
     if (!extend_chain(&scene, settings, &surface, &bsdf, &chain, &ray)) ray = inactive_ray();

@@ -37,7 +37,7 @@ LUCARIUM_FLATTEN void find_lobes(const Scene* scene, const Surface* surface, Sha
   if (faces && shared->same && shared->front == front && shared->triangle == surface->triangle) return;
   const Bsdf bsdf = make_bsdf(scene, surface, LUCARIUM_BSDF_UNSAMPLED);
   shared->diffuse = bsdf.diffuse;
-  shared->ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION;
+  shared->ideal = (bsdf.flags & LUCARIUM_BSDF_DELTA) != 0u;
   shared->front = front;
   shared->same = faces && !varies(scene, surface->material);
   shared->triangle = surface->triangle;

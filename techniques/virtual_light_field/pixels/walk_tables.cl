@@ -63,7 +63,7 @@ __kernel void list_walk_sides(LUCARIUM_SCENE_PARAMETERS uint count, __global Wal
   surface.material = i / 2u;
   surface.flags = i % 2u == 0u ? LUCARIUM_SURFACE_FRONT : 0u;
   const Bsdf bsdf = make_bsdf(&scene, &surface, LUCARIUM_BSDF_UNSAMPLED);
-  const bool ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION;
+  const bool ideal = bsdf.flags & LUCARIUM_BSDF_DELTA;
   walk_sides[i].diffuse = (float4)(bsdf.diffuse, ideal ? 1.0f : 0.0f);
   walk_sides[i].emitted = (float4)(emitted_radiance(&scene, &surface), 0.0f);
 }

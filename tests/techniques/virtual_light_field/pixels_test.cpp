@@ -109,6 +109,32 @@ TEST_CASE("a wall half mirror and half diffuse shows its mirror once, however it
   }
 }
 
+TEST_CASE("rough volumes of index 1 let light straight through, whichever lobes are looked up") {
+  Scene scene = lobes(0.5f);
+  SceneMaterial mist;  // ideal transmission, but no ideal reflection
+  mist.base_color = glm::vec4(0.9f);
+  mist.metallic = 0;
+  mist.roughness = 0.5f;
+  mist.transmission = 0.5f;
+  mist.thickness = 1;
+  mist.ior = 1;
+  add_instance(scene, add_mesh(scene, MeshBuilder("mist").box({0.3f, 0.2f, 0.3f}, {0.7f, 0.6f, 0.5f}).take()),
+               test::add_material(scene, mist));
+  const Means expected = render(scene, "path_tracing", -1, 256);
+  const double all = expected.emission + expected.direct + expected.indirect;
+  for (const auto& [specular, glossy] :
+       std::vector<std::pair<std::string, std::string>>{{"trace", "vlf"}, {"vlf", "trace"}, {"vlf", "vlf"}}) {
+    CAPTURE(specular);
+    CAPTURE(glossy);
+    const Means found = render(
+        scene, "virtual_light_field", -1, 64,
+        {{"dir_n", "6"}, {"cells", "32"}, {"texels", "2048"}, {"eye_specular", specular}, {"eye_glossy", glossy}});
+    const double seen = found.emission + found.direct + found.indirect;
+    MESSAGE(specular, ", ", glossy, ": off by ", seen / all - 1);
+    CHECK(seen == relative(all, 0.03));
+  }
+}
+
 TEST_CASE("coats that keep no tiles are folded into the albedo or left out, as weak_lobes says") {
   Scene scene = lobes(0.5f);
   for (SceneMaterial& material : scene.materials)

@@ -23,4 +23,20 @@ TEST_CASE("parameters that contradict each other, or the scene, are refused with
   // Where no surface is ideal, nothing is said.
   const Options looked_up = {{"dir_n", "2"}, {"cells", "16"}, {"texels", "512"}, {"eye_specular", "vlf"}};
   CHECK_NOTHROW(session(load_scene("builtin:cornell"), 3, looked_up));
+  // A texture may make a mirror of rough metal.
+  for (const uint8_t roughness : {uint8_t{0}, uint8_t{9}}) {
+    CAPTURE(roughness);
+    Scene textured = load_scene("builtin:cornell-mirror");
+    textured.images.push_back({"roughness", 2, 1, {0, 200, 255, 255, 0, roughness, 255, 255}});
+    textured.textures.push_back({.image = static_cast<int>(textured.images.size()) - 1});
+    for (SceneMaterial& material : textured.materials) {
+      if (material.metallic == 0) continue;
+      material.roughness = 1;
+      material.metallic_roughness_texture.texture = static_cast<int>(textured.textures.size()) - 1;
+    }
+    if (roughness == 0)
+      check_refusal([&] { session(textured, 3, looked_up); }, ErrorClass::usage, "a mirror before the eye counts");
+    else
+      CHECK_NOTHROW(session(textured, 3, looked_up));
+  }
 }
