@@ -78,7 +78,8 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
   if (parameters.structure == Structure::abuffer && parameters.intersect == Intersect::parity) {
     const uint32_t open = classify(scene, Intersect::parity).open_components;
     if (open > 0)
-      list.push_back(fmt::format("intersect=parity: {} open components have no inside; rays find them wrongly", open));
+      list.push_back(fmt::format("intersect=parity: {} no inside; rays find them wrongly",
+                                 open == 1 ? "1 open component has" : fmt::format("{} open components have", open)));
   }
   if (parameters.structure == Structure::abuffer && parameters.intersect == Intersect::plane)
     list.push_back("search by planes: surfaces that cover no pixel's centre are not there (intersect)");

@@ -33,7 +33,7 @@ class ComparedStructure : public Intersector {
   uint64_t generation() const { return generation_ + pairs_.generation(); }
   const ComparedStatistics& statistics() const { return statistics_; }
 
-  std::string name() const override { return name_; }
+  std::string name() const override { return kind_.name; }
   void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
                       const BufferRef& hits) const override;
   void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
@@ -74,7 +74,6 @@ class ComparedStructure : public Intersector {
   KernelScheduler* scheduler_;
   const SceneBuffers* buffers_;
   Kind kind_;
-  std::string name_;
   VoxelPairs pairs_;
   Program program_;
   bool alpha_ = false;

@@ -73,7 +73,8 @@ static bool compared_trace(const ComparedContext* context, AbufferRay* r, const 
       const uint brick = path.node[context->levels];
       const uint leaf =
           context->brick_first[brick] + compared_rank(context->brick_masks[brick], compared_within(voxel));
-      if (compared_hit(context->scene, grid, ray, moved, context->leaves[leaf], r->distance, leaves, hit)) return true;
+      const uint triangle = context->leaves[leaf];
+      if (compared_hit(context->scene, grid, ray, moved, triangle, r->distance, leaves, hit, any)) return true;
     }
     if (leaves >= r->end || !abuffer_enter(grid, r, edge, axes, leaves)) return false;
     // Go back up to the lowest node that holds both voxels.

@@ -54,7 +54,7 @@ static bool compared_trace(const ComparedContext* context, AbufferRay* r, const 
       if (any) return true;
 #endif
       const uint triangle = compared_triangle(context, brick, bits, within);
-      if (compared_hit(context->scene, grid, ray, moved, triangle, r->distance, leaves, hit)) return true;
+      if (compared_hit(context->scene, grid, ray, moved, triangle, r->distance, leaves, hit, any)) return true;
     }
     if (leaves >= r->end || !abuffer_enter(grid, r, edge, axes, leaves)) return false;
   }

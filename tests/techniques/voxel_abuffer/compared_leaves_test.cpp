@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "../../framework/services/layered_raster/scene.h"
+#include "closed_bodies.h"
 #include "compared_rig.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "tolerance.h"
@@ -154,6 +155,46 @@ TEST_CASE("rays leave and reach a surface without meeting its own voxels, howeve
   }
   CHECK(stopped(voxels) == 0);
   CHECK(stopped(octree) == 0);
+}
+
+TEST_CASE("rays that go straight on behind what they meet leave a body behind") {
+  Soup soup;
+  append(soup, box({-1.03f, -0.97f, -1.01f}, {0.98f, 1.02f, 1.04f}));
+  AbufferRig rig(scene_of(soup));
+  const VoxelBits voxels(rig.scheduler, rig.buffers, 64);
+  const SparseOctree octree(rig.scheduler, rig.buffers, 64);
+  for (const Intersector* structure :
+       {static_cast<const Intersector*>(&voxels), static_cast<const Intersector*>(&octree)}) {
+    CAPTURE(structure->name());
+    CHECK(structure->name() == (structure == &octree ? "octree" : "voxel"));
+    Random random(3);
+    EndedRays rays;
+    const glm::vec3 eye(4, 3, 5);
+    for (int i = 0; i < 2000; ++i) {  // towards an upright edge
+      const glm::vec3 target(0.98f + random.uniform(-0.03f, 0.03f), random.uniform(-0.9f, 0.9f), 1.04f);
+      rays.add(make_ray(eye, glm::normalize(target - eye)), {LUCARIUM_NONE, LUCARIUM_NONE});
+    }
+    size_t met = 0;
+    for (int round = 0; round < 20 && !rays.rays.empty(); ++round) {
+      const AbufferRig::Results found = trace(rig, *structure, rays);
+      EndedRays behind;
+      for (size_t i = 0; i < rays.rays.size(); ++i) {
+        const Hit& hit = found.hits[i];
+        if (hit.triangle == LUCARIUM_NO_HIT) continue;
+        ++met;
+        const Triangle& t = soup.triangles[hit.triangle];
+        const glm::vec3 a = soup.corner(t.v0), ab = soup.corner(t.v1) - a, ac = soup.corner(t.v2) - a;
+        const glm::vec3 direction = rays.rays[i].direction.xyz();
+        const bool back = glm::dot(glm::cross(ab, ac), direction) < 0;
+        behind.add(make_ray(a + hit.u * ab + hit.v * ac, direction),
+                   {hit.triangle | (back ? LUCARIUM_RAY_END_BACK : 0), LUCARIUM_NONE});
+      }
+      rays = behind;
+    }
+    CHECK(rays.rays.empty());
+    CHECK(met > 2000);
+    CHECK(met < 3 * 2000);
+  }
 }
 
 TEST_CASE("leaves report the first of their triangles, and where its plane is met") {
