@@ -128,24 +128,34 @@ void list_map_limitations(const Plan& plan, const BidirectionalParameters& param
     list.push_back("vpl_visibility=map has no effect: nothing is connected to virtual lights");
 }
 
-/// Parameters that were set and that others leave without effect.
-void list_idle_parameters(const Plan& plan, const BidirectionalParameters& parameters, std::vector<std::string>& list) {
+/// Parameters that were set and that others, or the scene, leave without effect.
+void list_idle_parameters(const Plan& plan, const BidirectionalParameters& parameters, const Scene& scene,
+                          std::vector<std::string>& list) {
   const BidirectionalParameters usual;
   const bool few_paths = parameters.vpl_choice == VplChoice::all || parameters.vpl_choice == VplChoice::pair;
   const char* const no_bundles = "camera paths take no bundles (directions)";
   const char* const no_paths = "there are no light paths (strategy, --max-bounces)";
+  const char* const no_connections = "nothing is connected to virtual lights (strategy, --max-bounces)";
+  const bool light_paths = plan.light_vertices > 0, own = parameters.vpl_choice == VplChoice::own;
   const struct {
     const char* name;
     bool is_set, has_effect;
     const char* reason;
   } all[] = {
       {"splat=off", !parameters.splat, parameters.strategy != Strategy::splat, "splats are all there is (strategy)"},
-      {"candidates", parameters.candidates != usual.candidates, parameters.vpl_choice == VplChoice::resample,
-       "virtual lights are not compared (vpl_choice)"},
+      {"light_vertices", parameters.light_vertices != usual.light_vertices, light_paths, no_paths},
+      {"light_paths", parameters.light_paths > 0 && !own, light_paths, no_paths},
+      {"light_paths", parameters.light_paths > 0 && own, false, "vpl_choice=own takes one per pixel"},
+      {"vpl_choice", parameters.vpl_choice != usual.vpl_choice, light_paths, no_paths},
+      {"vpl_lights=punctual", parameters.vpl_lights == VplLights::punctual, light_paths, no_paths},
+      {"candidates", parameters.candidates != usual.candidates, plan.has_table(),
+       "virtual lights are not compared (vpl_choice, strategy, --max-bounces)"},
       {"bundles", parameters.bundles != usual.bundles, plan.bundles || few_paths, no_bundles},
       {"dir_pdf", parameters.dir_pdf != usual.dir_pdf, plan.bundles, no_bundles},
       {"bundle_sides", parameters.bundle_sides != usual.bundle_sides, plan.bundles, no_bundles},
-      {"reuse", parameters.reuse != usual.reuse, plan.bundles, no_bundles},
+      {"dir_pdf=env", plan.bundles_follow_sky, scene.environment.has_value(), "there is no environment"},
+      {"reuse", parameters.reuse != usual.reuse, plan.bundles && !plan.bundles_and_bsdf,
+       "no camera path takes several bundles (directions)"},
       {"bundle_mode", parameters.bundle_mode != usual.bundle_mode, plan.bundles, no_bundles},
       {"bundle_res", parameters.bundle_res != usual.bundle_res, plan.stores_bundles(),
        "no bundles are rasterized (directions, bundle_mode)"},
@@ -153,13 +163,17 @@ void list_idle_parameters(const Plan& plan, const BidirectionalParameters& param
        "virtual lights have no maps (vpl_visibility)"},
       {"g_max", parameters.g_max != usual.g_max, parameters.two_bounce != TwoBounce::mis,
        "connections are not clamped (two_bounce)"},
-      {"m_prime", parameters.m_prime != usual.m_prime, parameters.gloss != Gloss::none,
+      {"m_prime", parameters.m_prime != usual.m_prime,
+       parameters.gloss == Gloss::clamp || parameters.gloss == Gloss::roughness,
        "glossy lobes stay as they are (gloss)"},
-      {"two_bounce", parameters.two_bounce != usual.two_bounce, plan.vpl,
-       "nothing is connected to virtual lights (strategy, --max-bounces)"},
+      {"gloss=vsl", parameters.gloss == Gloss::vsl, plan.vpl, no_connections},
+      {"two_bounce", parameters.two_bounce != usual.two_bounce, plan.vpl, no_connections},
+      {"interleave", parameters.interleave > 1 && !plan.bundles && own, plan.filter,
+       "every pixel has virtual lights of its own (vpl_choice=own)"},
+      {"interleave", parameters.interleave > 1 && !plan.bundles && !own, plan.vpl || plan.filter, no_connections},
       {"direct=maps", parameters.direct == Direct::maps, plan.lights, "there are no light samples (strategy)"},
-      {"light_choice=learned", parameters.light_choice == LightChoice::learned, plan.light_vertices > 0, no_paths},
-      {"light_trace=rsm", parameters.light_trace == LightTrace::rsm, plan.light_vertices > 0, no_paths},
+      {"light_choice=learned", parameters.light_choice == LightChoice::learned, light_paths, no_paths},
+      {"light_trace=rsm", parameters.light_trace == LightTrace::rsm, light_paths, no_paths},
   };
   for (const auto& parameter : all)
     if (parameter.is_set && !parameter.has_effect)
@@ -187,10 +201,11 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) +
                    ": paths of so few bounces have no more");
   list_map_limitations(plan, parameters, scene, list);
-  list_idle_parameters(plan, parameters, list);
-  if (plan.bundles && parameters.reuse == Reuse::shared && plan.settings.max_scatterings > 2)
+  list_idle_parameters(plan, parameters, scene, list);
+  const bool many_bundles = plan.bundles && !plan.bundles_and_bsdf && plan.settings.max_scatterings > 1;  // of a path
+  if (many_bundles && parameters.reuse == Reuse::shared)
     list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
-  if (plan.bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
+  if (many_bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
     list.push_back("reuse=distinct has nothing to choose from with one bundle (bundles)");
   if (plan.two_bounce != TwoBounce::mis && parameters.light_vertices > 1)
     list.push_back("light_vertices is lowered to 1 (two_bounce)");
@@ -199,11 +214,9 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
   if (parameters.filter && parameters.interleave < 2)
     list.push_back("filter has no effect: its window is a tile of one pixel (interleave)");
   if (plan.filter && plan.shows_strategies) list.push_back("filter leaves the layers of strategies as they are");
-  if (parameters.interleave > 1 && plan.choice == VplChoice::own && !plan.bundles)
-    list.push_back("interleave has no effect: every pixel has virtual lights of its own (vpl_choice=own)");
+  if (plan.caches && plan.shows_strategies)
+    list.push_back("caches=on leaves indirect light from caches out of the layers of strategies");
   if (plan.caches) list.push_back("caches=on shows indirect light of up to four frames before");
-  if (plan.choice == VplChoice::own && parameters.light_paths > 0)
-    list.push_back("light_paths has no effect: vpl_choice=own takes one per pixel");
   return list;
 }
 

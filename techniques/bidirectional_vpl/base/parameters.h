@@ -112,7 +112,8 @@ struct BidirectionalParameters {
              {{"none", Gloss::none}, {"clamp", Gloss::clamp}, {"vsl", Gloss::vsl}, {"roughness", Gloss::roughness}},
              "spikes of glossy surfaces by few samples: kept (none), cut (clamp), spread over spheres about virtual "
              "lights (vsl) or by wider lobes (roughness); the bias dies out with samples");
-    v.number("m_prime", m_prime, 1.f, 64.f, "samples", "minimum number of samples that a glossy lobe covers (gloss)");
+    v.number("m_prime", m_prime, 1.f, 64.f, "samples",
+             "minimum number of samples that a glossy lobe covers (gloss=clamp, roughness)");
     v.number("interleave", interleave, 1, 8, "pixels",
              "side of the tiles whose pixels take different bundles and virtual lights of an iteration");
     v.flag("filter", filter,

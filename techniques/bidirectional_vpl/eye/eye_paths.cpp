@@ -221,10 +221,14 @@ size_t EyePaths::estimate_bytes(const Plan& plan, const Scene& scene, bool ray_e
   const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + (plan.learned ? 11 : 7) * sizeof(uint32_t) +
                            LUCARIUM_PATH_NUMBER_ROWS * sizeof(float);
   const size_t first = plan.gloss == Gloss::none ? 0 : sizeof(PathVertex);
+  // The schedule of connections to all virtual lights has memory of its own.
+  const size_t connections = plan.connects_to_all() ? (plan.vpl_maps ? 2 : 1) * ray + sizeof(float4) +
+                                                          (plan.learned ? 6 : 2) * sizeof(uint32_t)
+                                                    : 0;
   size_t vertices = 0;
   if (plan.caches) vertices = SceneLayout(scene).world_vertices;
   const auto triangles = static_cast<size_t>(scene.triangle_count());
-  return plan.settings.pixels * (kept + first + transient) + 4096 +
+  return plan.settings.pixels * (kept + first + transient + connections) + 4096 +
          (plan.stores_bundles() ? BundleEdges::estimate_bytes(plan, triangles) : 0) +
          (plan.filter ? PixelFilter::estimate_bytes(plan, ray_ends) : 0) +
          (plan.caches ? Caches::estimate_bytes(plan, vertices, ray_ends) : 0);

@@ -37,6 +37,9 @@ __kernel void make_vpl_views(LUCARIUM_SCENE_PARAMETERS __global const PathVertex
   v[4] = face_view(eye, -b, -normal, side, side / 2u, depths.x, depths.y, view_seed);
 }
 
+// Where a map's texels begin. All maps together may have more than 2^32.
+size_t map_start(uint map, uint side) { return (size_t)map * (3u * side * side); }
+
 // Where a face's texels begin in its map.
 uint face_start(uint face, uint side) { return face == 0u ? 0u : (face + 1u) * (side * side / 2u); }
 
@@ -46,7 +49,7 @@ __kernel void keep_vpl_face(uint number, uint side, __global const uint* restric
   const uint i = (uint)get_global_id(0);
   if (i >= side * (number % VPL_FACES == 0u ? side : side / 2u)) return;
   const uint map = number / VPL_FACES;
-  triangles[map * (3u * side * side) + face_start(number % VPL_FACES, side) + i] = kept_triangle(seen[i]);
+  triangles[map_start(map, side) + face_start(number % VPL_FACES, side) + i] = kept_triangle(seen[i]);
 }
 
 // Shadow ray i of a connection, from a surface to the virtual light in `slot`: what lies before the light's surface is
@@ -68,7 +71,7 @@ LUCARIUM_JOIN void test_vpl_map(const Scene* scene, uint i, uint slot, __global 
   float2 place;
   const uint face = seen_face(views + VPL_FACES * map, VPL_FACES, direction, &place);
   const uint texel = face_start(face, side) + texel_at(views + VPL_FACES * map + face, place);
-  const uint triangle = seen_triangle(triangles[map * (3u * side * side) + texel]);
+  const uint triangle = seen_triangle(triangles[map_start(map, side) + texel]);
   const float3 eye = path_vertex_end(&vertex, direction);
   if (stands_before(scene, triangle, hits[i].triangle, eye, direction, ray.direction.w, 2.0f / (float)side))
     connections[i].xyz = (float3)(0.0f);
@@ -93,7 +96,7 @@ LUCARIUM_JOIN void test_vpl_map8(const Scene* scene, uint first, uint active, ui
 
   const uint map = places[slot];
   const uint8 texel = seen_texels8(views + VPL_FACES * map, VPL_FACES, direction) & as_uint8(lanes_of_bits8(answered));
-  const __global uint* texels = triangles + map * (3u * side * side);
+  const __global uint* texels = triangles + map_start(map, side);
   const uint8 triangle = (uint8)(texels[texel.s0], texels[texel.s1], texels[texel.s2], texels[texel.s3],
                                  texels[texel.s4], texels[texel.s5], texels[texel.s6], texels[texel.s7]) -
                          1u;

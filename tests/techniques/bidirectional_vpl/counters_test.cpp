@@ -166,3 +166,24 @@ TEST_CASE("counters of limits: paths caught between mirrors are counted, before 
   CHECK(found.at("terminated_by_cap") >= 1);
   CHECK(found.at("terminated_by_cap") <= 9);
 }
+
+TEST_CASE("memory of connections to all virtual lights is stated, up to a tenth") {
+  const auto held = [] { return static_cast<double>(test_device()->memory().by_owner()["bidirectional_vpl"]); };
+  Scene scene = load_scene("builtin:room");
+  RenderSettings settings;
+  settings.width = settings.height = 128;
+  settings.camera = scene.cameras.front();
+  for (const std::string visibility : {"rays", "map"}) {
+    CAPTURE(visibility);
+    const double others = held();
+    RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings,
+                          {{"vpl_choice", "all"},
+                           {"bundles", "1"},
+                           {"light_vertices", "1"},
+                           {"light_choice", "learned"},
+                           {"vpl_visibility", visibility},
+                           {"map_res", "32"}});
+    session.run({.iterations = 1});
+    CHECK(held() - others <= 1.1 * static_cast<double>(session.technique().estimate_bytes(scene, settings)));
+  }
+}

@@ -216,13 +216,18 @@ TEST_CASE("what strategy=hit cannot find in a scene is said") {
 }
 
 TEST_CASE("parameters that others leave without effect are named, and none where they have one") {
-  const Scene room = load_scene("builtin:room");
+  Scene room = load_scene("builtin:room");
+  set_environment(room, 1);
   const struct {
     std::string name, value;
     Parameters idle, used;  // without effect beside the first, with effect beside the second
   } rows[] = {
       {"splat", "off", {{"strategy", "splat"}}, {}},
+      {"light_vertices", "8", {{"strategy", "nee"}}, {{"strategy", "splat"}}},
+      {"vpl_choice", "pair", {{"strategy", "hit"}}, {{"strategy", "splat"}}},
+      {"vpl_lights", "punctual", {{"strategy", "nee"}}, {}},
       {"candidates", "8", {{"vpl_choice", "all"}}, {}},
+      {"candidates", "8", {{"strategy", "hit"}}, {{"strategy", "vpl"}}},
       {"bundles", "8", {}, {{"vpl_choice", "pair"}}},
       {"bundles", "8", {{"vpl_choice", "own"}}, {{"directions", "both"}}},
       {"dir_pdf", "env", {}, {{"directions", "bundle"}}},
@@ -232,7 +237,12 @@ TEST_CASE("parameters that others leave without effect are named, and none where
       {"bundle_res", "64", {{"directions", "bundle"}}, {{"directions", "bundle"}, {"bundle_mode", "exact"}}},
       {"map_res", "64", {}, {{"vpl_visibility", "map"}}},
       {"g_max", "2", {}, {{"two_bounce", "clamp"}}},
-      {"m_prime", "8", {}, {{"gloss", "vsl"}}},
+      {"reuse", "shared", {{"directions", "both"}}, {{"directions", "bundle"}}},
+      {"m_prime", "8", {}, {{"gloss", "clamp"}}},
+      {"m_prime", "8", {{"gloss", "vsl"}}, {{"gloss", "roughness"}}},
+      {"gloss", "vsl", {{"strategy", "hit"}}, {}},
+      {"interleave", "4", {{"strategy", "hit"}}, {}},
+      {"interleave", "4", {{"vpl_choice", "own"}}, {{"vpl_choice", "own"}, {"filter", "on"}}},
       {"two_bounce", "clamp", {{"strategy", "nee"}}, {}},
       {"direct", "maps", {{"strategy", "vpl"}}, {{"strategy", "nee"}}},
       {"light_choice", "learned", {{"strategy", "hit"}}, {{"strategy", "splat"}}},
@@ -240,6 +250,7 @@ TEST_CASE("parameters that others leave without effect are named, and none where
       {"vpl_visibility", "map", {{"strategy", "splat"}}, {}},
       {"filter", "on", {}, {{"interleave", "2"}}},
       {"light_paths", "50", {{"vpl_choice", "own"}}, {}},
+      {"light_paths", "50", {{"strategy", "nee"}}, {}},
   };
   for (const auto& row : rows) {
     CAPTURE(row.name);
@@ -251,6 +262,19 @@ TEST_CASE("parameters that others leave without effect are named, and none where
     CHECK(with(row.idle));
     CHECK_FALSE(with(row.used));
   }
+}
+
+TEST_CASE("what bundles, caches and skies do not do is said") {
+  Scene room = load_scene("builtin:room");
+  const char* const biased = "reuse=shared is biased";
+  CHECK(says(room, biased, {{"directions", "bundle"}, {"reuse", "shared"}}, 1));  // the second one behind the first
+  CHECK_FALSE(says(room, biased, {{"directions", "bundle"}, {"reuse", "shared"}}, 0));
+  CHECK_FALSE(says(room, biased, {{"directions", "both"}, {"reuse", "shared"}}));
+  CHECK(says(room, "caches=on leaves", {{"caches", "on"}, {"show_strategies", "on"}}));
+  const char* const no_sky = "dir_pdf=env has no effect";
+  CHECK(says(room, no_sky, {{"directions", "bundle"}, {"dir_pdf", "env"}}));
+  set_environment(room, 1);
+  CHECK_FALSE(says(room, no_sky, {{"directions", "bundle"}, {"dir_pdf", "env"}}));
 }
 
 TEST_CASE("punctual light behind glass is named as left out where the glass is clear, not where it is rough") {
