@@ -21,7 +21,7 @@ size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const
 
 std::string memory_hint(Technique& technique, const Scene& scene, const RenderSettings& settings) {
   constexpr double min_saving = 0.1;
-  constexpr size_t max_named = 3;
+  constexpr size_t max_named = 4;
   const auto bytes = static_cast<double>(technique.estimate_bytes(scene, settings));
   std::vector<std::pair<double, std::string>> savings;  // bytes, name and present value
   for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
@@ -37,7 +37,8 @@ std::string memory_hint(Technique& technique, const Scene& scene, const RenderSe
       }
       entry.set(value);
       if (saved < min_saving * bytes) continue;
-      savings.emplace_back(saved, fmt::format("{} ({})", entry.info.name, value));
+      // Where 1 takes less than 0, 0 stands for a value that the technique chooses.
+      savings.emplace_back(saved, fmt::format("{} ({}{})", entry.info.name, value, number == 0 ? ": automatic" : ""));
       break;
     }
   }
