@@ -182,11 +182,11 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
                                               : arguments.technique.single("render", "path_tracing");
   const TechniqueType& type = registry.find(spec.name);
   used.set_plugin(type.file(), registry.searched());
-  check_parameters(type, spec);
+  const std::unique_ptr<Technique> technique = check_parameters(type, spec);
   if (arguments.state.any()) check_state(type, spec);
 
   const Stopwatch loading;
-  Scene scene = arguments.load();
+  Scene scene = arguments.load(technique.get());
   const double load_seconds = loading.seconds();
   if (frames && scene.animations.empty() && !scene.camera_path)
     log_warning("{} has no animation: all frames show the same", arguments.scene);

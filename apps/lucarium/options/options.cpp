@@ -244,13 +244,14 @@ void TechniqueArguments::add_to(Command command, const std::string& default_tech
   add_technique_path(command, folders);
 }
 
-void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
-  const std::unique_ptr<Technique> technique = type.create();
+std::unique_ptr<Technique> check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
+  std::unique_ptr<Technique> technique = type.create();
   try {
     technique->parameters().set_all(spec.parameters);
   } catch (const Error& error) {
     throw error.with_context(type.info().name);
   }
+  return technique;
 }
 
 void RenderingArguments::take(const Job& job) {
@@ -265,9 +266,11 @@ void RenderingArguments::take(const Job& job) {
   technique.folders = job.technique_folders;
 }
 
-Scene RenderingArguments::load() const {
+Scene RenderingArguments::load(const Technique* technique) const {
   Scene loaded = overrides.load(scene);
-  require_light(loaded);
+  RenderSettings seen = settings;
+  seen.camera = loaded.cameras.front();
+  if (!technique || technique->path_set(loaded, seen).light_transport()) require_light(loaded);
   for (const std::string& warning : loaded.warnings) log_warning("{}", warning);
   return loaded;
 }

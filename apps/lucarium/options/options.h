@@ -2,6 +2,7 @@
 // Options that several commands share; each struct adds itself to a subcommand.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,8 +85,8 @@ struct TechniqueArguments {
   static Parameters parse_parameters(const std::string& text);
 };
 
-/// Sets the parameters on an instance that is thrown away, so that mistakes are found before long work.
-void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec);
+/// An instance with these parameters, so that mistakes are found before long work.
+std::unique_ptr<Technique> check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec);
 
 /// What `render` and `reference` begin with, from the command line or from a job.
 struct RenderingArguments {
@@ -96,8 +97,8 @@ struct RenderingArguments {
   RenderSettings settings;  ///< of `image`, or of a job; without a camera
   TechniqueArguments technique;
   void take(const Job& job);  ///< instead of options
-  /// The scene, which must have light; logs its warnings.
-  Scene load() const;
+  /// The scene, which must have light unless the technique computes none; logs its warnings.
+  Scene load(const Technique* technique = nullptr) const;
 };
 
 /// --technique-path: folders that are there, searched before all others.

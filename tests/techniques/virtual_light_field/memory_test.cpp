@@ -112,7 +112,8 @@ TEST_CASE("where memory does not suffice, the numbers that take most of it are n
     return memory_hint(*technique, scene, settings);
   };
   const std::string lower = "lower --size or --texture-size, ";
-  CHECK(hint({{"dir_n", "6"}, {"cells", "32"}, {"texels", "4096"}}) == lower + "cells (32), texels (4096), dir_n (6)");
+  CHECK(hint({{"dir_n", "6"}, {"cells", "32"}, {"texels", "4096"}}) ==
+        lower + "cells (32), texels (4096), dir_n (6), cache_visibility (512)");
   CHECK(hint({{"dir_n", "32"}, {"cells", "0"}, {"texels", "0"}}) ==
-        lower + "cells (0: automatic), dir_n (32), texels (0: automatic)");
+        lower + "cells (0: automatic), dir_n (32), texels (0: automatic), cache_visibility (512)");
 }

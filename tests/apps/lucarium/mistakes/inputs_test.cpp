@@ -51,6 +51,14 @@ TEST_CASE("input: exit code 3") {
   CHECK(count_files(folder.path()) == 1);
 }
 
+TEST_CASE("a technique that computes no light needs none in the scene") {
+  const TemporaryFolder folder;
+  const std::string dark = " --material '*:emissive_factor=0,0,0' --size 16x9 --iterations 1 --quiet -o " +
+                           (folder.path() / "a.exr").string();
+  check_refused("render builtin:cornell -t voxel_abuffer:mode=cast,abuffer_size=128" + dark, 3, "has no light");
+  CHECK(run_lucarium("render builtin:cornell -t voxel_abuffer:mode=ao,abuffer_size=128" + dark).exit_code == 0);
+}
+
 TEST_CASE("a file that is not there: the next step is said") {
   const TemporaryFolder folder;
   const std::string scene = (folder.path() / "kitchen.glb").string(), typo = (folder.path() / "kitchn.glb").string();
