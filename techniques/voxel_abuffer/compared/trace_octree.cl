@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest and any hit over a sparse octree: rays are traced to its leaves, of which the first one that a ray enters is
-// hit (Hu et al. 2014, section 5.2, table 1). Descent with the nodes of the path kept, so that a step begins at the
-// lowest node that both voxels share (Laine and Karras, "Efficient Sparse Voxel Octrees", 2010).
+// Closest and any hit over a sparse octree: rays are traced to its leaves (Hu et al. 2014, section 5.2, table 1). Of
+// those that a ray enters, the first one whose triangle counts is hit (compared_hit()). Descent with the nodes of the
+// path kept, so that a step begins at the lowest node that both voxels share (Laine and Karras, "Efficient Sparse Voxel
+// Octrees", 2010).
 #include "voxel_abuffer/compared/compared_ray.clh"
 #include "voxel_abuffer/compared/voxel_keys.clh"
 #include "voxel_abuffer/shared/octree_layout.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest and any hit over a grid of occupied voxels, a bit each: the first one that a ray enters is hit. (Papaioannou,
-// Menexi, Papadopoulos, "Real-Time Volume-Based Ambient Occlusion", 2010, is what Hu et al. 2014, section 5.2, compare
-// with in figure 9.)
+// Closest and any hit over a grid of occupied voxels, a bit each: of those that a ray enters, the first one whose
+// triangle counts is hit (compared_hit()). (Papaioannou, Menexi, Papadopoulos, "Real-Time Volume-Based Ambient
+// Occlusion", 2010, is what Hu et al. 2014, section 5.2, compare with in figure 9.)
 #include "voxel_abuffer/compared/compared_ray.clh"
 #include "voxel_abuffer/compared/voxel_keys.clh"
 

@@ -4,9 +4,10 @@
 
 namespace lucarium::abuffer {
 
-/// Occupied voxels, a bit each (262 MB for 1280³): the first one that a ray enters is its hit. Rays begin and end a
-/// voxel's diagonal off the surfaces at their ends (RayEnds). The triangle of a hit is the one with the lowest index in
-/// the voxel, its distance that of the triangle's plane within the voxel.
+/// Occupied voxels, a bit each (262 MB for 1280³): of those that a ray enters, the first one whose triangle MASK and
+/// BLEND do not leave out is its hit. Rays begin and end a voxel's diagonal off the surfaces at their ends (RayEnds);
+/// the closest hits of those are ahead of their origins. The triangle of a hit is the one with the lowest index in the
+/// voxel, its distance that of the triangle's plane within the voxel.
 class VoxelBits final : public ComparedStructure {
  public:
   /// `size`: voxels along the longest side. Throws Error{device} naming abuffer_size and the numbers where memory does
