@@ -132,11 +132,13 @@ void list_map_limitations(const Plan& plan, const BidirectionalParameters& param
 void list_idle_parameters(const Plan& plan, const BidirectionalParameters& parameters, const Scene& scene,
                           std::vector<std::string>& list) {
   const BidirectionalParameters usual;
-  const bool few_paths = parameters.vpl_choice == VplChoice::all || parameters.vpl_choice == VplChoice::pair;
   const char* const no_bundles = "camera paths take no bundles (directions)";
   const char* const no_paths = "there are no light paths (strategy, --max-bounces)";
   const char* const no_connections = "nothing is connected to virtual lights (strategy, --max-bounces)";
   const bool light_paths = plan.light_vertices > 0, own = parameters.vpl_choice == VplChoice::own;
+  const bool few = parameters.vpl_choice == VplChoice::all || parameters.vpl_choice == VplChoice::pair;
+  // As many light paths as bundles.
+  const bool as_many_paths = light_paths && few && parameters.light_paths == 0;
   const struct {
     const char* name;
     bool is_set, has_effect;
@@ -150,12 +152,12 @@ void list_idle_parameters(const Plan& plan, const BidirectionalParameters& param
       {"vpl_lights=punctual", parameters.vpl_lights == VplLights::punctual, light_paths, no_paths},
       {"candidates", parameters.candidates != usual.candidates, plan.has_table(),
        "virtual lights are not compared (vpl_choice, strategy, --max-bounces)"},
-      {"bundles", parameters.bundles != usual.bundles, plan.bundles || few_paths, no_bundles},
+      {"bundles", parameters.bundles != usual.bundles, plan.bundles || as_many_paths, no_bundles},
       {"dir_pdf", parameters.dir_pdf != usual.dir_pdf, plan.bundles, no_bundles},
       {"bundle_sides", parameters.bundle_sides != usual.bundle_sides, plan.bundles, no_bundles},
       {"dir_pdf=env", plan.bundles_follow_sky, scene.environment.has_value(), "there is no environment"},
-      {"reuse", parameters.reuse != usual.reuse, plan.bundles && !plan.bundles_and_bsdf,
-       "no camera path takes several bundles (directions)"},
+      {"reuse", parameters.reuse != usual.reuse, plan.takes_several_bundles(),
+       "no camera path takes several bundles (directions, --max-bounces)"},
       {"bundle_mode", parameters.bundle_mode != usual.bundle_mode, plan.bundles, no_bundles},
       {"bundle_res", parameters.bundle_res != usual.bundle_res, plan.stores_bundles(),
        "no bundles are rasterized (directions, bundle_mode)"},
@@ -202,10 +204,9 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
                    ": paths of so few bounces have no more");
   list_map_limitations(plan, parameters, scene, list);
   list_idle_parameters(plan, parameters, scene, list);
-  const bool many_bundles = plan.bundles && !plan.bundles_and_bsdf && plan.settings.max_scatterings > 1;  // of a path
-  if (many_bundles && parameters.reuse == Reuse::shared)
+  if (plan.takes_several_bundles() && parameters.reuse == Reuse::shared)
     list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
-  if (many_bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
+  if (plan.takes_several_bundles() && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
     list.push_back("reuse=distinct has nothing to choose from with one bundle (bundles)");
   if (plan.two_bounce != TwoBounce::mis && parameters.light_vertices > 1)
     list.push_back("light_vertices is lowered to 1 (two_bounce)");

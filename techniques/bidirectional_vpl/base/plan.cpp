@@ -52,9 +52,9 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   s.candidates = static_cast<uint32_t>(parameters.candidates);
   plan.beta = static_cast<uint32_t>(parameters.beta);
   s.bundles = static_cast<uint32_t>(parameters.bundles);
-  s.reuse = static_cast<uint32_t>(parameters.reuse);
   plan.bundles = parameters.directions != Directions::bsdf;
   plan.bundles_and_bsdf = parameters.directions == Directions::both;
+  s.reuse = plan.takes_several_bundles() ? static_cast<uint32_t>(parameters.reuse) : BIDIRECTIONAL_REUSE_PER_DEPTH;
   plan.bundles_follow_sky = plan.bundles && parameters.dir_pdf == DirectionPdf::environment;
   plan.bundles_one_sided = plan.bundles && parameters.bundle_sides == BundleSides::one;
   if (plan.bundles) plan.bundle_mode = parameters.bundle_mode;

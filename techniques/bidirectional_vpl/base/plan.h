@@ -39,10 +39,11 @@ struct Plan {
   bool connects_to_all() const { return vpl && choice == VplChoice::all; }
   /// Whether bundles are rasterized and looked up.
   bool stores_bundles() const { return bundle_mode != BundleMode::rays; }
+  /// Whether a camera path may take more than one bundle, so that it matters which.
+  bool takes_several_bundles() const { return bundles && !bundles_and_bsdf && settings.max_scatterings > 1; }
   /// Whether later depths look up the bundles of the first one, where there is memory.
   bool keeps_bundles() const {
-    return stores_bundles() && !bundles_and_bsdf && settings.max_scatterings > 1 &&
-           settings.reuse == BIDIRECTIONAL_REUSE_SHARED;
+    return stores_bundles() && takes_several_bundles() && settings.reuse == BIDIRECTIONAL_REUSE_SHARED;
   }
   size_t vertex_slots() const { return size_t{settings.light_paths} * light_vertices; }
   /// Layers of a sample, strategies behind them: hit, nee, vpl1 …, splat.

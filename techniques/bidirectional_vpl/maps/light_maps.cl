@@ -30,13 +30,13 @@ __kernel void make_cube_views(LUCARIUM_SCENE_PARAMETERS __global const uint* res
 }
 
 // Where a face's texels begin. Those of all lights together may be more than 2^32.
-size_t face_start(uint face, uint side) { return (size_t)face * (side * side); }
+size_t cube_face_start(uint face, uint side) { return (size_t)face * (side * side); }
 
 // Keeps the triangles of view `number`, in a raster of side x side.
 __kernel void keep_cube_face(uint number, uint side, __global const uint* restrict seen,
                              __global uint* restrict triangles) {
   const uint i = (uint)get_global_id(0);
-  if (i < side * side) triangles[face_start(number, side) + i] = kept_triangle(seen[i]);
+  if (i < side * side) triangles[cube_face_start(number, side) + i] = kept_triangle(seen[i]);
 }
 
 // The rays of light paths that a cube cannot answer: of other lights.
@@ -65,7 +65,7 @@ __kernel void look_up_light_maps(LUCARIUM_SCENE_PARAMETERS __global const LightP
   const uint first = CUBE_FACES * places[light];
   float2 place;
   const uint face = first + seen_face(views + first, CUBE_FACES, ray.direction.xyz, &place);
-  const uint triangle = seen_triangle(triangles[face_start(face, side) + texel_at(views + face, place)]);
+  const uint triangle = seen_triangle(triangles[cube_face_start(face, side) + texel_at(views + face, place)]);
   Hit hit = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
   if (triangle != LUCARIUM_NONE) {
     const float3 met = meet_seen_triangle(&scene, triangle, ray.origin.xyz, ray.direction.xyz, 2.0f / (float)side);
@@ -99,7 +99,7 @@ __kernel void test_light_maps(LUCARIUM_SCENE_PARAMETERS __global const uint* res
   uint hidden = 0u;
   for (uint tap = 0u; tap < 16u; ++tap) {
     const float2 beside = place + (float2)((float)(tap & 3u), (float)(tap >> 2)) - 1.5f;
-    const uint triangle = seen_triangle(triangles[face_start(face, side) + texel_at(views + face, beside)]);
+    const uint triangle = seen_triangle(triangles[cube_face_start(face, side) + texel_at(views + face, beside)]);
     hidden += stands_before(&scene, triangle, hits[i].triangle, eye, direction, ray.direction.w, 6.0f / (float)side);
   }
   light[i].xyz *= 1.0f - (float)hidden / 16.0f;

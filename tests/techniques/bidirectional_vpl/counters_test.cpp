@@ -121,6 +121,17 @@ TEST_CASE("counters of connections to all: every virtual light has its ray") {
   CHECK(found.count("candidates") == 0);
 }
 
+TEST_CASE("counters of light paths: as many as bundles where all are connected, unless light_paths says") {
+  for (const char* const choice : {"all", "pair"}) {
+    CAPTURE(choice);
+    const Parameters common = {{"vpl_choice", choice}, {"bundles", "8"}};
+    CHECK(counters(closed_box(false), small_picture(1, 1), common).at("light_paths") == 8);
+    Parameters explicitly = common;
+    explicitly.emplace_back("light_paths", "9");
+    CHECK(counters(closed_box(false), small_picture(1, 1), explicitly).at("light_paths") == 9);
+  }
+}
+
 TEST_CASE("counters of bundles: the same set at later depths is looked up again, others are rasterized") {
   const Scene scene = closed_box(false);
   const auto count = [&](const char* reuse, const char* bundles, const char* resolution) {

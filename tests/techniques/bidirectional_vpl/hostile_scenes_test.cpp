@@ -230,6 +230,8 @@ TEST_CASE("parameters that others leave without effect are named, and none where
       {"candidates", "8", {{"strategy", "hit"}}, {{"strategy", "vpl"}}},
       {"bundles", "8", {}, {{"vpl_choice", "pair"}}},
       {"bundles", "8", {{"vpl_choice", "own"}}, {{"directions", "both"}}},
+      {"bundles", "8", {{"vpl_choice", "all"}, {"strategy", "hit"}}, {{"vpl_choice", "all"}, {"strategy", "vpl"}}},
+      {"bundles", "8", {{"vpl_choice", "pair"}, {"light_paths", "9"}}, {{"light_paths", "9"}, {"directions", "both"}}},
       {"dir_pdf", "env", {}, {{"directions", "bundle"}}},
       {"bundle_sides", "one", {}, {{"directions", "bundle"}}},
       {"reuse", "shared", {}, {{"directions", "bundle"}}},
@@ -270,11 +272,33 @@ TEST_CASE("what bundles, caches and skies do not do is said") {
   CHECK(says(room, biased, {{"directions", "bundle"}, {"reuse", "shared"}}, 1));  // the second one behind the first
   CHECK_FALSE(says(room, biased, {{"directions", "bundle"}, {"reuse", "shared"}}, 0));
   CHECK_FALSE(says(room, biased, {{"directions", "both"}, {"reuse", "shared"}}));
+  const char* const no_reuse = "reuse has no effect";
+  CHECK(says(room, no_reuse, {{"directions", "bundle"}, {"reuse", "shared"}}, 0));
+  CHECK_FALSE(says(room, no_reuse, {{"directions", "bundle"}, {"reuse", "shared"}}, 1));
   CHECK(says(room, "caches=on leaves", {{"caches", "on"}, {"show_strategies", "on"}}));
   const char* const no_sky = "dir_pdf=env has no effect";
   CHECK(says(room, no_sky, {{"directions", "bundle"}, {"dir_pdf", "env"}}));
   set_environment(room, 1);
   CHECK_FALSE(says(room, no_sky, {{"directions", "bundle"}, {"dir_pdf", "env"}}));
+}
+
+TEST_CASE("reuse changes no bit where paths take one bundle") {
+  const Scene room = load_scene("builtin:room");
+  Picture picture = small_picture();
+  const auto image = [&](const char* directions, const char* reuse) {
+    return image_of(render(room, "bidirectional_vpl", picture, {{"directions", directions}, {"reuse", reuse}}));
+  };
+  const auto same = [&](const char* directions, const char* reuse) {
+    return image(directions, reuse) == image(directions, "per_depth");
+  };
+  for (const char* const reuse : {"distinct", "shared"}) {
+    CAPTURE(reuse);
+    picture.max_bounces = 1;
+    CHECK(same("both", reuse));
+    CHECK_FALSE(same("bundle", reuse));
+    picture.max_bounces = 0;
+    CHECK(same("bundle", reuse));
+  }
 }
 
 TEST_CASE("punctual light behind glass is named as left out where the glass is clear, not where it is rough") {
