@@ -2,6 +2,7 @@
 // Hits of random, coherent and degenerate rays; all traversals agree to the bit.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -226,6 +227,27 @@ TEST_CASE("inactive, infinite and undefined rays miss") {
       CHECK(missed(results.hits[i]));
       CHECK(results.occluded[i] == 0);
     }
+  }
+  // One among 16 coherent rays, the others of which hit.
+  rays.clear();
+  for (int mistake = 0; mistake < 6; ++mistake)
+    for (const size_t place : {1u, 8u, 15u}) {
+      for (int i = 0; i < 16; ++i)
+        rays.push_back(make_ray({0, 0, 0}, glm::normalize(glm::vec3(1, 0.3f, 0.01f * static_cast<float>(i)))));
+      Ray& ray = rays[rays.size() - 16 + place];
+      if (mistake < 3) ray.direction.w = std::array{-1.f, -infinity, nan}[static_cast<size_t>(mistake)];
+      if (mistake == 3) ray.origin.x = nan;
+      if (mistake == 4) ray.direction = float4(1e19f * ray.direction.xyz(), INFINITY);
+      if (mistake == 5) ray.direction = float4(0, 0, 0, INFINITY);
+    }
+  const Results single = tracer.trace(tracer.make(soup, BvhTraversal::scalar), rays);
+  for (const BvhTraversal traversal : traversals) {
+    CAPTURE(static_cast<int>(traversal));
+    const Results results = tracer.trace(tracer.make(soup, traversal), rays);
+    size_t hit = 0;
+    for (const Hit& found : results.hits) hit += !missed(found);
+    CHECK(hit == rays.size() / 16 * 15);
+    CHECK(std::memcmp(results.hits.data(), single.hits.data(), rays.size() * sizeof(Hit)) == 0);
   }
 }
 
