@@ -84,7 +84,7 @@ int check(const CheckArguments& arguments, const Messages& messages) {
   }
   const TechniqueRegistry registry(arguments.folders);
   const TechniqueType& type = registry.find(spec.name);
-  check_parameters(type, spec);
+  make_technique(type, spec);
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
 
   ConformanceOptions options;

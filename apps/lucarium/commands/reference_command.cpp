@@ -60,7 +60,7 @@ PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegi
   }
   const TechniqueArguments::Spec spec = given.single("reference", "path_tracing");
   const TechniqueType& type = registry.find(spec.name);
-  const PathSet set = check_parameters(type, spec)->path_set(scene, settings);
+  const PathSet set = make_technique(type, spec)->path_set(scene, settings);
   check_only_light_paths(spec, set);
   return set;
 }

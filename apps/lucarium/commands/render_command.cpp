@@ -169,20 +169,22 @@ void check_outputs(const RenderArguments& arguments, const Messages& messages) {
 int render_picture(const RenderArguments& arguments, const Messages& messages) {
   const Stopwatch since_start;
   check_outputs(arguments, messages);
-  const std::unique_ptr<StateFile> state = arguments.state.open();
+  std::unique_ptr<StateFile> state = arguments.state.open();
   const std::optional<FrameRange> frames = parse_frames(arguments.frames);
   const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments.files, frames, arguments.overwrite);
   if (has_profile_file(arguments)) check_output(arguments.profile, arguments.overwrite);
   if (!arguments.state.save_file.empty()) check_output(arguments.state.save_file, arguments.overwrite);
-  if (arguments.watch)
+  if (arguments.watch) {
+    state.reset();
     return render_and_watch(watched_inputs(arguments), !arguments.files.empty() || !arguments.profile.empty());
+  }
   UsedInputs used;
   const TechniqueRegistry registry(arguments.technique.folders);
   const TechniqueArguments::Spec spec = state ? spec_of_state(arguments.technique, registry, *state)
                                               : arguments.technique.single("render", "path_tracing");
   const TechniqueType& type = registry.find(spec.name);
   used.set_plugin(type.file(), registry.searched());
-  const std::unique_ptr<Technique> technique = check_parameters(type, spec);
+  const std::unique_ptr<Technique> technique = make_technique(type, spec);
   if (arguments.state.any()) check_state(type, spec);
 
   const Stopwatch loading;
@@ -212,6 +214,7 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
         if (preparing) preparing->update(fraction, stage);
       },
       state ? TimeBudget() : time, state.get());
+  state.reset();
   preparing.reset();
   const KeepOnInterrupt keep_pictures;
   tell_plan(arguments.budget, session.plan(), spec.name);

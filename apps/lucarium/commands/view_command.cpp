@@ -45,7 +45,7 @@ std::vector<ViewTechnique> techniques_of(const ViewArguments& arguments, const T
   if (specs.empty()) specs = {arguments.technique.single("view", "path_tracing")};
   std::vector<ViewTechnique> techniques;
   for (const TechniqueArguments::Spec& spec : specs) {
-    if (!is_known) check_parameters(registry.find(spec.name), spec);
+    if (!is_known) make_technique(registry.find(spec.name), spec);
     techniques.push_back({spec.name, spec.parameters});
   }
   return techniques;

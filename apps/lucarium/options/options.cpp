@@ -244,7 +244,7 @@ void TechniqueArguments::add_to(Command command, const std::string& default_tech
   add_technique_path(command, folders);
 }
 
-std::unique_ptr<Technique> check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
+std::unique_ptr<Technique> make_technique(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
   std::unique_ptr<Technique> technique = type.create();
   try {
     technique->parameters().set_all(spec.parameters);

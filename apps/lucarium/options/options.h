@@ -85,8 +85,8 @@ struct TechniqueArguments {
   static Parameters parse_parameters(const std::string& text);
 };
 
-/// An instance with these parameters, so that mistakes are found before long work.
-std::unique_ptr<Technique> check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec);
+/// An instance with these parameters. Made before long work, it finds mistakes in them.
+std::unique_ptr<Technique> make_technique(const TechniqueType& type, const TechniqueArguments::Spec& spec);
 
 /// What `render` and `reference` begin with, from the command line or from a job.
 struct RenderingArguments {

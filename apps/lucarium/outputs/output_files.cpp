@@ -21,7 +21,8 @@ void check_output(const fs::path& file, bool overwrite) {
   if (fs::is_directory(file, ignored)) throw_error(ErrorClass::usage, "{} is a folder, not a file", file.string());
   // The new file takes the place of what is there: of /dev/null, too.
   if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))
-    throw_error(ErrorClass::usage, "{} is a pipe or a device, not a file; choose another name", file.string());
+    throw_error(ErrorClass::usage, "{} is a pipe, a device or the like, not a file; choose another name",
+                file.string());
   if (fs::exists(file, ignored) && !overwrite) {
     throw_error(ErrorClass::usage, "{} exists; choose another name or give --overwrite", file.string());
   }

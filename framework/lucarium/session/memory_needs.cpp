@@ -38,7 +38,8 @@ std::string memory_hint(Technique& technique, const Scene& scene, const RenderSe
       entry.set(value);
       if (saved < min_saving * bytes) continue;
       // Where 1 takes less than 0, 0 stands for a value that the technique chooses.
-      savings.emplace_back(saved, fmt::format("{} ({}{})", entry.info.name, value, number == 0 ? ": automatic" : ""));
+      const char* const note = number == 0 && less == 1 ? ": automatic" : "";
+      savings.emplace_back(saved, fmt::format("{} ({}{})", entry.info.name, value, note));
       break;
     }
   }

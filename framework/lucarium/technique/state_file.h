@@ -45,8 +45,8 @@ void write_state_file(const std::filesystem::path& file, const StateHeader& head
                       const std::function<void(StateWriter&)>& put_chunks);
 
 /// A state in a file. Opening it reads all of it once: anything that is cut off, damaged or impossible is Error{input},
-/// and so is a file of a newer form. The file stays open: chunks are its own though another one takes its name, as when
-/// the state is saved again.
+/// and so is a file of a newer form. It stays open, so that chunks are those of the file that was opened, even if
+/// another one has taken its name since, as when the state is saved again. For one thread at a time.
 class StateFile : public StateReader {
  public:
   explicit StateFile(std::filesystem::path file);

@@ -27,7 +27,7 @@ TEST_CASE("a pipe or a device was replaced by the file that was to be written in
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
   for (const char* output : {"-t virtual_light_field --save-state ", "-t path_tracing -o "}) {
     check_refused("render builtin:cornell --overwrite " + std::string(output) + pipe, 2,
-                  "pipe.png is a pipe or a device");
+                  "pipe.png is a pipe, a device");
     CHECK(std::filesystem::is_fifo(pipe));
   }
 }
