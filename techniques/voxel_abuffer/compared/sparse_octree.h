@@ -6,8 +6,8 @@
 
 namespace lucarium::abuffer {
 
-/// Sparse octree of depth ⌈log₂ n⌉, whose leaves are occupied voxels, one of which is a ray's hit (Hu et al. 2014,
-/// section 5.2, table 1: n² A-buffers are as precise). Which one, triangles, distances and ends of rays as of
+/// Sparse octree of depth ⌈log₂ n⌉, whose leaves are occupied voxels, one of which is a ray's hit (Hu et al.
+/// 2014, section 5.2, table 1: n² A-buffers are as precise). Which one, triangles, distances and ends of rays as of
 /// VoxelBits. A leaf's averaged normal, which cone tracing reads, is not kept. The two lowest levels of the tree are
 /// one word.
 class SparseOctree final : public ComparedStructure {
