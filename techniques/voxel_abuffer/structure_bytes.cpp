@@ -80,7 +80,8 @@ size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& opt
   // axis.
   const double pixels = static_cast<double>(grid.voxels.w) * grid.voxels.w;
   const auto cells = static_cast<size_t>(2 * exact / pixels * sizeof(uint64_t) * ABUFFER_CELL_WORDS);
-  return triangles * per_triangle + bricks * (64 * per_voxel + 2 * sizeof(uint64_t)) + cells +
+  const bool reaches = parity > 0 && options.intersect != Intersect::plane && keeps_reaches(grid);
+  return triangles * per_triangle + bricks * (64 * per_voxel + (reaches ? 66 : 2) * sizeof(uint64_t)) + cells +
          lists(parity, options.attributes == Attributes::stored) + lists(exact, false);
 }
 

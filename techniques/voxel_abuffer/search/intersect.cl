@@ -2,7 +2,8 @@
 // Closest and any hit of a buffer of rays. A work-item has a share of the batch; the number of rays is read from
 // a device counter. Compiled with ABUFFER_WITH_EXACT where there are triangles for exact search, and
 // ABUFFER_WITH_PARITY (ABUFFER_STEPS: 0 for 2D-DDA, else 3 or 1, or ABUFFER_PLANES; ABUFFER_UNREFINED, ABUFFER_STORED)
-// where there are those for parity. ABUFFER_COUNT_WORK: with counts (search/work_counts.clh).
+// where there are those for parity, ABUFFER_REACHES where voxels know how far such rays may go
+// (structure/mark_voxels.cl). ABUFFER_COUNT_WORK: with counts (search/work_counts.clh).
 #include "lucarium/services/ray_shares/ray_shares.clh"
 #include "voxel_abuffer/search/exact_flights.clh"
 #include "voxel_abuffer/search/fragment_attributes.clh"  // not under a condition: files are included once

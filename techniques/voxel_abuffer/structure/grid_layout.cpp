@@ -11,10 +11,11 @@ namespace lucarium::abuffer {
 
 namespace {
 
-constexpr float margin = 2;          // pixels on each side
-constexpr float rounding = 2.4e-7f;  // four units of a float's last place
-constexpr uint32_t max_exact = 256;  // voxels for exact search: their words grow with the cube
-constexpr uint32_t min_edge = 8;     // pixels along an edge of a voxel that is searched at points
+constexpr float margin = 2;               // pixels on each side
+constexpr float rounding = 2.4e-7f;       // four units of a float's last place
+constexpr uint32_t max_exact = 256;       // voxels for exact search: their words grow with the cube
+constexpr size_t max_reaches = 1u << 20;  // voxels that have reaches: eight bytes each
+constexpr uint32_t min_edge = 8;          // pixels along an edge of a voxel that is searched at points
 
 uint32_t component(const uint4& v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
 
@@ -80,6 +81,8 @@ LayeredView axis_view(const AbufferGrid& grid, int k, uint32_t classes) {
   view.classes = classes;
   return view;
 }
+
+bool keeps_reaches(const AbufferGrid& grid) { return brick_count(grid) <= max_reaches / 64; }
 
 size_t brick_count(const AbufferGrid& grid) { return size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z; }
 

@@ -37,6 +37,10 @@ LayeredView axis_view(const AbufferGrid& grid, int k, uint32_t classes);
 /// Bricks of 64 voxels.
 size_t brick_count(const AbufferGrid& grid);
 
+/// Whether voxels that parity searches have reaches (ABUFFER_REACHES): up to 2²⁰ voxels, of eight bytes each; more
+/// would take more time to build than rays gain.
+bool keeps_reaches(const AbufferGrid& grid);
+
 /// Pixels of the A-buffer of axis k.
 uint32_t axis_pixels(const AbufferGrid& grid, int k);
 

@@ -101,3 +101,38 @@ __kernel void abuffer_mark_empty(__global const AbufferGrid* abuffer_grid, __glo
       }
     }
 }
+
+// Of each voxel and octant, how many voxels a cube has that begins with it, grows towards the octant and holds nothing
+// for parity, at most 255; 0: the voxel itself does (as abuffer_mark_empty() has them for bricks). Behind the bricks'
+// two words each, all voxels of an octant after those of the one before, as abuffer_voxel() orders them. A work-item
+// per octant; bits 0, 1, 2: towards higher x, y, z. Outside the grid all is empty.
+__kernel void abuffer_mark_reaches(__global const AbufferGrid* abuffer_grid, __global const uint* abuffer_voxels,
+                                   __global ulong* abuffer_bricks) {
+  const uint octant = get_global_id(0);
+  const int4 bricks = convert_int4(abuffer_grid[0].bricks), size = 4 * bricks;
+  const int count = bricks.x * bricks.y * bricks.z;
+  const bool up_x = octant & 1u, up_y = octant & 2u, up_z = octant & 4u;
+  __global uchar* reaches = (__global uchar*)(abuffer_bricks + 2 * count) + 64 * count * (int)octant;
+  for (int k = 0; k < size.z; ++k) {
+    const int z = up_z ? size.z - 1 - k : k, z_before = k ? (up_z ? z + 1 : z - 1) : z;
+    const int layer = (z >> 2) * bricks.y, layer_before = (z_before >> 2) * bricks.y;
+    for (int j = 0; j < size.y; ++j) {
+      const int y = up_y ? size.y - 1 - j : j, y_before = j ? (up_y ? y + 1 : y - 1) : y;
+      const int row = (layer + (y >> 2)) * bricks.x * 64 + (z & 3) * 16 + (y & 3) * 4;
+      const int row_y = (layer + (y_before >> 2)) * bricks.x * 64 + (z & 3) * 16 + (y_before & 3) * 4;
+      const int row_z = (layer_before + (y >> 2)) * bricks.x * 64 + (z_before & 3) * 16 + (y & 3) * 4;
+      const int row_yz = (layer_before + (y_before >> 2)) * bricks.x * 64 + (z_before & 3) * 16 + (y_before & 3) * 4;
+      int before = 254;
+      for (int i = 0; i < size.x; ++i) {
+        const int x = up_x ? size.x - 1 - i : i, at = (x >> 2) * 64 + (x & 3);
+        int least = 254;
+        if (j) least = min(least, (int)reaches[row_y + at]);
+        if (k) least = min(least, (int)reaches[row_z + at]);
+        if (j && k) least = min(least, (int)reaches[row_yz + at]);
+        const int reach = abuffer_voxels[row + at] & ABUFFER_PARITY ? 0 : min(least, before) + 1;
+        reaches[row + at] = (uchar)reach;
+        before = min(least, reach);  // what the next one has of this voxel and those beside it
+      }
+    }
+  }
+}

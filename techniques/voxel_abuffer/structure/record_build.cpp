@@ -75,6 +75,13 @@ void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const Abuffer
       .local(1)
       .arg("abuffer_grid", grid_buffer)
       .arg("abuffer_bricks", bricks);
+  if (walls && keeps_reaches(grid))
+    recorder.pass("mark_reaches", voxel_program, "abuffer_mark_reaches")
+        .global(8)
+        .local(1)
+        .arg("abuffer_grid", grid_buffer)
+        .arg("abuffer_voxels", voxels)
+        .arg("abuffer_bricks", bricks);
   recorder.pass("keep_cell_count", voxel_program, "abuffer_keep_cell_count")
       .global(1)
       .local(1)

@@ -124,7 +124,8 @@ void VoxelAbuffer::State::reserve() {
   if (classes.parity_triangles > 0 && !parity)
     parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size, options.attributes == Attributes::stored);
   generation += make_room(*device, voxels, "voxels", voxel_count, coarser_grid);
-  generation += make_room(*device, bricks, "bricks", 2 * brick_count(grid), coarser_grid);
+  const bool reaches = parity && options.intersect != Intersect::plane && keeps_reaches(grid);
+  generation += make_room(*device, bricks, "bricks", (reaches ? 66 : 2) * brick_count(grid), coarser_grid);
   generation += make_room(*device, cells, "cells", ABUFFER_CELL_WORDS, coarser_grid);
   if (exact) exact->reserve(grid, exact_room);
   if (!parity) return;
@@ -223,6 +224,7 @@ void VoxelAbuffer::State::compile() {
     const bool points = options.search != Search::columns && searches_points(size);
     defines["ABUFFER_STEPS"] = !points ? "0" : options.search == Search::one_step ? "1" : "3";
     if (options.intersect == Intersect::plane) defines["ABUFFER_PLANES"] = "";
+    if (options.intersect != Intersect::plane && keeps_reaches(grid)) defines["ABUFFER_REACHES"] = "";
     if (options.intersect == Intersect::parity && classes.open_components > 0) defines["ABUFFER_OPEN_MESHES"] = "";
     if (options.attributes != Attributes::triangle) defines["ABUFFER_UNREFINED"] = "";
     if (options.attributes == Attributes::stored) defines["ABUFFER_STORED"] = "";

@@ -11,6 +11,7 @@
 #include "abuffer_rig.h"
 #include "closed_bodies.h"
 #include "test_support.h"
+#include "voxel_abuffer/structure/grid_layout.h"
 #include "voxel_abuffer/structure/inspect.h"
 #include "voxel_abuffer/structure/state.h"
 
@@ -45,6 +46,42 @@ void mark(const AbufferGrid& grid, const abuffer::AbufferLists& lists, bool exac
           words[voxel_index(grid, v)] |= exact ? ABUFFER_EXACT(k) : ABUFFER_PARITY;
         }
       }
+}
+
+/// What a structure says of cubes that hold nothing, beside what is counted: numbers of places and octants.
+struct FreeCubes {
+  int wrong = 0, large = 0;  ///< large: of an edge of 2 to 39
+};
+
+/// edge_of(place, octant): what is stated as the edge of the largest cube that begins with a place and grows towards an
+/// octant, of places of which all are free. Outside the grid all is free.
+template <class Free, class Stated>
+FreeCubes compare_free_cubes(const uint4& size, Free&& is_free, Stated&& edge_of) {
+  const std::array<int, 3> end = {static_cast<int>(size.x), static_cast<int>(size.y), static_cast<int>(size.z)};
+  const auto free = [&](const std::array<int, 3>& at) {
+    for (int k = 0; k < 3; ++k)
+      if (at[k] < 0 || at[k] >= end[k]) return true;
+    return static_cast<bool>(is_free(at));
+  };
+  FreeCubes found;
+  for (int place = 0; place < end[0] * end[1] * end[2]; ++place)
+    for (int octant = 0; octant < 8; ++octant) {
+      const std::array<int, 3> at = {place % end[0], place / end[0] % end[1], place / end[0] / end[1]};
+      const std::array<int, 3> side = {octant & 1 ? 1 : -1, octant & 2 ? 1 : -1, octant & 4 ? 1 : -1};
+      const auto ahead = [&](int x, int y, int z) {
+        return free({at[0] + side[0] * x, at[1] + side[1] * y, at[2] + side[2] * z});
+      };
+      int edge = 0;
+      for (bool grows = true; grows && edge < 40;) {
+        for (int i = 0; i <= edge && grows; ++i)
+          for (int j = 0; j <= edge && grows; ++j) grows = ahead(edge, i, j) && ahead(i, edge, j) && ahead(i, j, edge);
+        edge += grows;
+      }
+      const auto stated = static_cast<int>(edge_of(at, octant));
+      found.wrong += edge < 40 ? stated != edge : stated < 40;
+      found.large += edge > 1 && edge < 40;
+    }
+  return found;
 }
 
 }  // namespace
@@ -84,38 +121,63 @@ TEST_CASE("voxels: without conservative ones those that hold fragments are occup
 TEST_CASE("voxels: every empty brick knows the largest cube of empty bricks towards each octant") {
   AbufferRig rig(scene_of(random_soup(12, 6, 1)));
   const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .grid_size = 64});
+  const uint4 size = structure.state().grid.bricks;
+  const std::vector<uint64_t> words = structure.state().bricks.download();
+  const size_t count = abuffer::brick_count(structure.state().grid);
+  REQUIRE(words.size() >= 2 * count);
+  const auto index = [&](const std::array<int, 3>& at) {
+    return static_cast<size_t>((at[2] * static_cast<int>(size.y) + at[1]) * static_cast<int>(size.x) + at[0]);
+  };
+  const FreeCubes found = compare_free_cubes(
+      size, [&](const std::array<int, 3>& at) { return words[index(at)] == 0; },
+      [&](const std::array<int, 3>& at, int octant) { return words[count + index(at)] >> (8 * octant) & 255; });
+  CHECK(found.wrong == 0);
+  CHECK(found.large > 100);
+}
+
+TEST_CASE("voxels: search by parity knows the largest cube without its triangles from each voxel towards each octant") {
+  Soup soup = closed_bodies();
+  append(soup, random_soup(12, 6, 1));  // open: exact
+  AbufferRig rig(scene_of(soup));
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .grid_size = 32});
   const AbufferGrid& grid = structure.state().grid;
   const std::vector<uint64_t> words = structure.state().bricks.download();
-  const std::array<int, 3> size = {static_cast<int>(grid.bricks.x), static_cast<int>(grid.bricks.y),
-                                   static_cast<int>(grid.bricks.z)};
-  const int count = size[0] * size[1] * size[2];
-  REQUIRE(words.size() >= 2 * static_cast<size_t>(count));
-  const auto index = [&](int x, int y, int z) { return (z * size[1] + y) * size[0] + x; };
-  // Outside the grid all is empty.
-  const auto empty = [&](int x, int y, int z) {
-    const bool outside = x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2];
-    return outside || words[static_cast<size_t>(index(x, y, z))] == 0;
+  const std::vector<uint32_t> voxels = structure.state().voxels.download();
+  const size_t bricks = abuffer::brick_count(grid);
+  REQUIRE(words.size() >= 66 * bricks);
+  const auto index = [&](const std::array<int, 3>& at) {
+    return static_cast<size_t>(
+        voxel_index(grid, {static_cast<uint32_t>(at[0]), static_cast<uint32_t>(at[1]), static_cast<uint32_t>(at[2])}));
   };
-  int wrong = 0, large = 0;
-  for (int brick = 0; brick < count; ++brick)
-    for (int octant = 0; octant < 8; ++octant) {
-      const std::array<int, 3> at = {brick % size[0], brick / size[0] % size[1], brick / size[0] / size[1]};
-      const std::array<int, 3> side = {octant & 1 ? 1 : -1, octant & 2 ? 1 : -1, octant & 4 ? 1 : -1};
-      const auto told = static_cast<int>(words[static_cast<size_t>(count + brick)] >> (8 * octant) & 255);
-      int edge = 0;
-      for (bool free = true; free && edge < 40;) {
-        for (int i = 0; i <= edge && free; ++i)
-          for (int j = 0; j <= edge && free; ++j)
-            free = empty(at[0] + side[0] * edge, at[1] + side[1] * i, at[2] + side[2] * j) &&
-                   empty(at[0] + side[0] * i, at[1] + side[1] * edge, at[2] + side[2] * j) &&
-                   empty(at[0] + side[0] * i, at[1] + side[1] * j, at[2] + side[2] * edge);
-        edge += free;
-      }
-      wrong += edge < 40 ? told != edge : told < 40;
-      large += edge > 1 && edge < 40;
-    }
-  CHECK(wrong == 0);
-  CHECK(large > 100);
+  size_t exact_only = 0;
+  for (const uint32_t word : voxels) exact_only += (word & ABUFFER_OCCUPIED) && !(word & ABUFFER_PARITY);
+  CHECK(exact_only > 50);
+  const FreeCubes found = compare_free_cubes(
+      {4 * grid.bricks.x, 4 * grid.bricks.y, 4 * grid.bricks.z, 0},
+      [&](const std::array<int, 3>& at) { return !(voxels[index(at)] & ABUFFER_PARITY); },
+      [&](const std::array<int, 3>& at, int octant) {
+        const size_t byte = 64 * bricks * static_cast<size_t>(octant) + index(at);
+        return words[2 * bricks + byte / 8] >> (8 * (byte % 8)) & 255;
+      });
+  CHECK(found.wrong == 0);
+  CHECK(found.large > 1000);
+}
+
+TEST_CASE("voxels: parity finds the same in grids whose voxels are too many for free cubes of their own") {
+  AbufferRig rig(scene_of(closed_bodies()));
+  const TestRays rays = scene_rays(rig, 10000, 4);
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  const AbufferRig::Results right = rig.trace(bvh, rays.rays, rays.ends);
+  for (const uint32_t voxels : {64u, 128u}) {
+    CAPTURE(voxels);
+    const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .grid_size = voxels, .intersect = Intersect::parity});
+    CHECK(abuffer::keeps_reaches(structure.state().grid) == (voxels == 64));
+    const AbufferRig::Results found = rig.trace(structure, rays.rays, rays.ends);
+    size_t wrong = 0;
+    for (size_t i = 0; i < rays.rays.size(); ++i)
+      wrong += (found.hits[i].triangle == LUCARIUM_NO_HIT) != (right.hits[i].triangle == LUCARIUM_NO_HIT);
+    CHECK(wrong < rays.rays.size() / 100);
+  }
 }
 
 TEST_CASE("voxels: exact search loses rays without conservative ones") {
