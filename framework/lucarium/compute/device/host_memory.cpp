@@ -2,6 +2,7 @@
 #include "lucarium/compute/device/host_memory.h"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -69,13 +70,24 @@ void give_back_freed_memory() {
 size_t available_host_memory() { return std::min(meminfo_available(), control_group_available()); }
 
 void* map_host_memory(size_t bytes) {
-  void* address = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (address == MAP_FAILED) return nullptr;
   // Large pages make scattered reads faster, and touching the memory faster still (docs/measurements/scheduler.md).
-  // Only a hint: systems without them refuse it, and nothing changes.
-  constexpr size_t worthwhile = size_t{4} << 20;
-  if (bytes >= worthwhile) madvise(address, bytes, MADV_HUGEPAGE);
-  return address;
+  // Only a hint: systems without them refuse it, and nothing changes. What holds one begins where one may, since a page
+  // that lies in it by halves is none; what was mapped around it is given back.
+  constexpr size_t large_page = size_t{2} << 20;
+  const bool large = bytes >= large_page && bytes <= unknown - large_page;
+  const size_t mapped = large ? bytes + large_page : bytes;
+  void* address = mmap(nullptr, mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (address == MAP_FAILED) return nullptr;
+  if (!large) return address;
+  char* first = static_cast<char*>(address);
+  const size_t before = (large_page - reinterpret_cast<uintptr_t>(first) % large_page) % large_page;
+  if (before > 0) munmap(first, before);
+  // What is left behind it, by whole pages.
+  const auto page = static_cast<size_t>(sysconf(_SC_PAGESIZE));
+  const size_t kept = (bytes + page - 1) / page * page, whole = (mapped + page - 1) / page * page - before;
+  if (whole > kept) munmap(first + before + kept, whole - kept);
+  madvise(first + before, kept, MADV_HUGEPAGE);
+  return first + before;
 }
 
 void unmap_host_memory(void* address, size_t bytes) noexcept {
