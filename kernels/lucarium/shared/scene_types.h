@@ -130,5 +130,6 @@ float pad0, pad1, pad2;
 LUCARIUM_STRUCT_END(SceneInfo, 144)
 
 #define LUCARIUM_SCENE_HAS_ALPHA 1u  // some material is MASK or BLEND: traversal must test alpha
+#define LUCARIUM_SCENE_TRANSMITS 2u  // some material transmits light
 
 #endif

@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "bidirectional_vpl/base/plan.h"
@@ -73,6 +74,7 @@ class EyePaths {
     BufferRef rays, ends, values;
     BufferRef sources;  ///< lights of light samples (with direct=maps), light paths of connections
     BufferRef hidden;
+    std::optional<Variable<uint32_t>> number = {};  ///< of the virtual light that all connections lead to
   };
   /// What a path goes on with, and whether it does.
   struct NextRays {

@@ -53,20 +53,27 @@ EyePaths::ShadowedLight EyePaths::shadowed_light(ScheduleRecorder& recorder, con
 void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& hits,
                                const std::string& kernel, uint32_t count, uint32_t tests) const {
   const uint32_t capacity = plan_.settings.pixels;
+  const bool direct = tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS;
+  const bool mapped = direct ? plan_.direct_maps : plan_.vpl_maps,
+             alone = mapped && !direct && maps_.vpls()->answers_all();
   BufferRef traced = light.rays;
-  if (tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS ? plan_.direct_maps : plan_.vpl_maps) {
+  if (mapped && !alone)
     traced =
         recorder.transient<Ray>("shadow rays of " + light.name + " that are traced", capacity, remedies::lower_size);
-    const ShadowRays rays = {light.rays, active_, hits, light.sources, light.values, traced, capacity};
-    if (plan_.direct_maps && tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS)
+  if (mapped) {
+    const ShadowRays rays = {light.rays, active_,      hits,     light.sources, light.values,
+                             traced,     light.hidden, capacity, light.number};
+    if (direct)
       maps_.direct()->record_test(recorder, rays);
     else
       maps_.vpls()->record_test(recorder, rays);
     count_rays(recorder, light, light.rays, tests);
   }
-  intersector_.record_any(recorder, "shadow rays of " + light.name, {traced, active_, 0, capacity, light.ends},
-                          light.hidden);
-  count_rays(recorder, light, traced, count);
+  if (!alone) {
+    intersector_.record_any(recorder, "shadow rays of " + light.name, {traced, active_, 0, capacity, light.ends},
+                            light.hidden);
+    count_rays(recorder, light, traced, count);
+  }
   recorder.pass("add " + light.name, program_, kernel)
       .global_by(active_)
       .arg("settings", plan_.settings)
@@ -80,7 +87,10 @@ void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& 
 
 void EyePaths::count_rays(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& rays,
                           uint32_t index) const {
-  const uint32_t choices = index == BIDIRECTIONAL_COUNT_CONNECTION_RAYS && plan_.has_table() ? 1 : 0;
+  // Choices are counted once, beside the rays that are left or where none are.
+  const bool connections = index == BIDIRECTIONAL_COUNT_CONNECTION_RAYS ||
+                           (index == BIDIRECTIONAL_COUNT_CONNECTION_TESTS && maps_.vpls()->answers_all());
+  const uint32_t choices = connections && plan_.has_table() ? 1 : 0;
   recorder.pass("count shadow rays", program_, "count_shadow_rays")
       .global((plan_.settings.pixels + kCountChunk - 1) / kCountChunk)
       .arg("active", active_)
@@ -110,7 +120,8 @@ void EyePaths::record_connect_to_all() {
   connect_seed_ = recorder.variable("seed", 0u);
   connect_index_ = recorder.variable("sample", 0u);
   connect_number_ = recorder.variable("virtual light", 0u);
-  const ShadowedLight light = shadowed_light(recorder, "connections");
+  ShadowedLight light = shadowed_light(recorder, "connections");
+  light.number = connect_number_;
   PassBuilder connect = recorder.pass("connect camera paths", program_, "connect_to_all");
   scene_.bind(connect);
   connect.global_by(active_)

@@ -17,6 +17,14 @@ constexpr uint32_t kVplFaces = 5;
 /// Of one map.
 size_t texels(uint32_t side) { return size_t{3} * side * side; }
 
+/// `alone`: maps answer all connections; `of_one`: those of a launch lead to one virtual light.
+std::map<std::string, std::string> map_defines(bool alone, bool of_one) {
+  std::map<std::string, std::string> defines;
+  if (alone) defines["VPL_MAPS_ALONE"] = "";
+  if (of_one) defines["VPL_MAPS_OF_ONE"] = "";
+  return defines;
+}
+
 }  // namespace
 
 uint32_t VplMaps::side(uint32_t map_res) {
@@ -31,7 +39,10 @@ VplMaps::VplMaps(Device& device, KernelScheduler& scheduler, const SceneBuffers&
       vertices_(vertices),
       side_(side(plan.map_res)),
       vertices_per_path_(plan.light_vertices),
-      program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/maps/vpl_maps"}, {})),
+      alone_(!transmits(scene)),
+      of_one_(plan.connects_to_all()),
+      program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/maps/vpl_maps"},
+                            map_defines(alone_, of_one_))),
       views_(device, owner, "views of VPL maps", kVplFaces * plan.vertex_slots(), kSmallerMaps),
       places_(device, owner, "places of VPL maps", plan.vertex_slots(), kSmallerMaps),
       triangles_(device, owner, "VPL maps", plan.vertex_slots() * texels(side_), kSmallerMaps),
@@ -65,18 +76,23 @@ void VplMaps::record_test(ScheduleRecorder& recorder, const ShadowRays& rays) co
   scene_.bind(test);
   test.global((rays.capacity + 7) / 8)
       .slice(kSlice / 8)
-      .arg("vertices_per_path", vertices_per_path_)
       .arg("vertices", vertices_.vertices())
       .arg("places", places_)
       .arg("side", side_)
       .arg("views", views_)
       .arg("triangles", triangles_)
-      .arg("connection_paths", rays.sources)
       .arg("hits", rays.hits)
       .arg("active", rays.active)
       .arg("rays", rays.rays)
-      .arg("traced", rays.traced)
       .arg("connections", rays.light);
+  if (alone_)
+    test.arg("hidden", rays.hidden);
+  else
+    test.arg("traced", rays.traced);
+  if (of_one_)
+    test.arg("list", vertices_.list()).arg("number", *rays.number);
+  else
+    test.arg("vertices_per_path", vertices_per_path_).arg("connection_paths", rays.sources);
 }
 
 void VplMaps::warm_up() {

@@ -2,6 +2,8 @@
 // Look-ups of stored bundles and of maps beside the same rays: device time of the passes, both in turns.
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
+#include <map>
+#include <string>
 
 #include "lucarium/scene/builtin/builder.h"
 #include "measures.h"
@@ -78,13 +80,18 @@ void measure_maps(Bars& bars, const Effort& effort, const Scene& scene) {
   parameters.emplace_back("vpl_visibility", "map");
   Profiled mapped(scene, parameters, 1);
   std::vector<double> rays, maps;
+  std::map<std::string, std::vector<double>> parts;
   const std::string connections = "connections to a virtual light";
   for (int round = 0; round < effort.rounds; ++round) {
     rays.push_back(seconds_of(traced.next(), connections, "shadow rays of connections"));
     const Profile& profile = mapped.next();
     maps.push_back(seconds_of(profile, "views of VPL maps") + seconds_of(profile, "face of VPL maps") +
                    seconds_of(profile, connections, "shading.vpl_maps"));
+    parts["look-ups"].push_back(seconds_of(profile, connections, "shading.vpl_maps"));
+    for (const char* part : {"set_up", "count_bins", "fill_bins", "nearest", "keep"})
+      parts[part].push_back(seconds_of(profile, "face of VPL maps", std::string("VPL maps.") + part));
   }
+  for (const auto& [name, seconds] : parts) bars.note("of which " + name, 1e3 * median(seconds), "ms");
   bars.note("21 virtual lights: shadow rays", 1e3 * median(rays), "ms");
   bars.note("21 virtual lights: maps, building included", 1e3 * median(maps), "ms");
   bars.add("shadow rays to virtual lights over their maps", 1, 2, median_ratio(rays, maps));

@@ -135,6 +135,43 @@ TEST_CASE("maps answer what rays would, and the counters say so") {
   CHECK(maps["map_faces"] == 2 * 6 * 2 + 5 * maps["light_vertices"]);
 }
 
+TEST_CASE("maps of virtual lights show the same where they answer all connections and where some are traced") {
+  // Glass within a block, which no light reaches: rays may be left then.
+  const Scene opaque = blocks();
+  Scene glass = opaque;
+  SceneMaterial clear;
+  clear.transmission = 1;
+  add_box(glass, {-0.05f, 0.05f, -0.05f}, {0.05f, 0.1f, 0.05f}, false, add_material(glass, clear));
+  const auto indirect = [](const Scene& scene, const char* choice) {
+    const Parameters parameters = {{"vpl_choice", choice},
+                                   {"light_vertices", "2"},
+                                   {"bundles", "9"},
+                                   {"vpl_visibility", "map"},
+                                   {"map_res", "64"}};
+    return render(scene, "bidirectional_vpl", few(), parameters).find("indirect")->pixels;
+  };
+  for (const char* choice : {"all", "pair"}) {
+    CAPTURE(choice);
+    const std::vector<float> alone = indirect(opaque, choice);
+    CHECK(mean_of(alone) > 0);
+    CHECK(alone == indirect(glass, choice));
+  }
+}
+
+TEST_CASE("shadow maps of virtual lights: of connections to all of them") {
+  const Scene scene = blocks();
+  const auto indirect = [&](const char* visibility) {
+    const Parameters parameters = {
+        {"vpl_choice", "all"}, {"light_vertices", "2"}, {"bundles", "9"}, {"vpl_visibility", visibility}};
+    return render(scene, "bidirectional_vpl", few(), parameters).find("indirect")->pixels;
+  };
+  const std::vector<float> maps = indirect("map"), rays = indirect("rays");
+  double apart = 0;
+  for (size_t i = 0; i < maps.size(); ++i) apart += std::abs(maps[i] - rays[i]) / static_cast<double>(maps.size());
+  CHECK(apart < 0.02 * mean_of(rays));
+  CHECK(apart > 0);  // they are maps
+}
+
 TEST_CASE("vpl_lights=punctual leaves lamps to camera paths, clamped or not") {
   const Scene lamp = load_scene("builtin:cornell");
   Picture picture;

@@ -183,7 +183,9 @@ void SceneBuffers::refresh_info(const Scene& scene) {
   info_.material_count = static_cast<uint>(scene.materials.size());
   info_.flags = 0;
   for (const SceneInstance& instance : scene.instances) {
-    if (scene.materials[instance.material].alpha_mode != AlphaMode::opaque) info_.flags |= LUCARIUM_SCENE_HAS_ALPHA;
+    const SceneMaterial& material = scene.materials[instance.material];
+    if (material.alpha_mode != AlphaMode::opaque) info_.flags |= LUCARIUM_SCENE_HAS_ALPHA;
+    if (material.transmission > 0) info_.flags |= LUCARIUM_SCENE_TRANSMITS;
   }
   const Environment environment =
       scene.environment ? Environment{"", scene.environment->width,  scene.environment->height,

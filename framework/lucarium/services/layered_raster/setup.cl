@@ -69,42 +69,44 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
   layered_boxes[block] = layered_box(low, high);
 }
 
-// Records and tile bounds of a block's triangles. Triangles that must be clipped get no bounds here, but are counted.
-static void layered_set_up_block(const LayeredView* view, __global const float* in, int16 left_out, uint block,
-                                 uint triangles, __global LayeredRecord* records, __global uint* bounds,
-                                 __global uint* clip_counts) {
+// Records and tile bounds of those triangles of a block that are seen, one behind the other. Returns their number.
+// Triangles that must be clipped get none here, but are counted.
+static uint layered_set_up_block(const LayeredView* view, __global const float* in, int16 left_out, uint first,
+                                 __global LayeredRecord* records, __global uint* bounds, __global uint* clip_count) {
   LayeredCorner16 corners[3];
   for (uint k = 0u; k < 3u; ++k)
     corners[k] = layered_project16(view, vload16(3u * k, in), vload16(3u * k + 1u, in), vload16(3u * k + 2u, in));
-  const int16 clip = layered_needs_clip16(view, corners) & ~left_out;
-  LayeredSetUp16 set = layered_set_up16(view, corners, clip | left_out);
+  int16 unseen;
+  const int16 clip = layered_needs_clip16(view, corners, &unseen) & ~left_out, skip = clip | left_out | unseen;
+  *clip_count = popcount(layered_signs16(clip));
+  if (layered_signs16(skip) == 0xffffu) return 0u;
+  LayeredSetUp16 set = layered_set_up16(view, corners, skip);
   const uint16 flags = as_uint16(vload16(9, in)) | set.flags;
-  vstore16(set.bounds, block, bounds);
-  const int16 ones = clip & 1;
-  const int8 eight = ones.lo + ones.hi;
-  const int4 four = eight.lo + eight.hi;
-  clip_counts[block] = (uint)(four.x + four.y + four.z + four.w);
-  layered_store_records(records + block * 16u, &set, block * 16u, flags, min(triangles - block * 16u, 16u));
+  return layered_store_records(records, bounds, &set, first, flags, 0xffffu);
 }
 
-// LAYERED_BLOCKS_EACH blocks to a work-item.
+// LAYERED_BLOCKS_EACH blocks to a work-item. What is seen of them comes first in their places, so that what follows
+// goes over it without gaps.
 __kernel void layered_set_up(LAYERED_CLASS_PARAMETERS __global const LayeredView* layered_views, uint layered_view,
                              __global const float* layered_geometry, __global const LayeredBox* layered_boxes,
                              uint triangles, __global LayeredRecord* layered_records, __global uint* layered_bounds,
                              __global uint* layered_clip_counts) {
   const uint first = (uint)get_global_id(0) * LAYERED_BLOCKS_EACH, blocks = (triangles + 15u) / 16u;
+  const uint last = min(first + LAYERED_BLOCKS_EACH, blocks);
   const LayeredView view = layered_views[layered_view];
   const LayeredSight sight = layered_sight(&view);
-  for (uint block = first; block < min(first + LAYERED_BLOCKS_EACH, blocks); ++block) {
+  uint place = 16u * first;
+  for (uint block = first; block < last; ++block) {
     const LayeredBox box = layered_boxes[block];
     if (layered_out_of_sight(&sight, &box)) {
-      vstore16((uint16)(LAYERED_NO_BOUNDS), block, layered_bounds);
       layered_clip_counts[block] = 0u;
       continue;
     }
-    layered_set_up_block(&view, layered_geometry + block * LAYERED_BLOCK_WORDS, LAYERED_LEFT_OUT(block, view), block,
-                         triangles, layered_records, layered_bounds, layered_clip_counts);
+    place += layered_set_up_block(&view, layered_geometry + block * LAYERED_BLOCK_WORDS, LAYERED_LEFT_OUT(block, view),
+                                  block * 16u, layered_records + place, layered_bounds + place,
+                                  layered_clip_counts + block);
   }
+  for (; place < 16u * last; ++place) layered_bounds[place] = LAYERED_NO_BOUNDS;
 }
 
 // What clipping adds: parts of the clipped triangles of a block, LAYERED_CLIP_PARTS places each, from `place` on.
