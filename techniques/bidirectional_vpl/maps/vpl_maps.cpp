@@ -2,6 +2,8 @@
 #include "bidirectional_vpl/maps/vpl_maps.h"
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "bidirectional_vpl/base/slices.h"
 
