@@ -154,10 +154,10 @@ void prefetch_connections(__global const Ray* rays, __global const Hit* hits, ui
 
 // All shadow rays of connections, of which work-item i has eight from 8 i on.
 __kernel void test_vpl_maps(LUCARIUM_SCENE_PARAMETERS VPL_LIGHT, __global const PathVertex* restrict vertices,
-                            __global const uint* restrict places, uint side,
-                            __global const LayeredView* restrict views, __global const uint* restrict triangles,
-                            __global const Hit* restrict hits, __global const uint* restrict active,
-                            __global const Ray* restrict rays, VPL_ANSWERS, uint slice_base) {
+                            __global const uint* restrict places, uint side, __global const LayeredView* restrict views,
+                            __global const uint* restrict triangles, __global const Hit* restrict hits,
+                            __global const uint* restrict active, __global const Ray* restrict rays, VPL_ANSWERS,
+                            uint slice_base) {
   const uint first = 8u * (slice_base + (uint)get_global_id(0)), count = active[0];
   if (first >= count) return;
   LUCARIUM_SCENE_BIND(scene);

@@ -102,9 +102,9 @@ __kernel void layered_set_up(LAYERED_CLASS_PARAMETERS __global const LayeredView
       layered_clip_counts[block] = 0u;
       continue;
     }
-    place += layered_set_up_block(&view, layered_geometry + block * LAYERED_BLOCK_WORDS, LAYERED_LEFT_OUT(block, view),
-                                  block * 16u, layered_records + place, layered_bounds + place,
-                                  layered_clip_counts + block);
+    place +=
+        layered_set_up_block(&view, layered_geometry + block * LAYERED_BLOCK_WORDS, LAYERED_LEFT_OUT(block, view),
+                             block * 16u, layered_records + place, layered_bounds + place, layered_clip_counts + block);
   }
   for (; place < 16u * last; ++place) layered_bounds[place] = LAYERED_NO_BOUNDS;
 }
