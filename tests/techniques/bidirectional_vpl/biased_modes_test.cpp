@@ -16,13 +16,8 @@ using namespace lucarium::test;
 
 namespace {
 
-std::vector<double> means_of_indirect(const Scene& scene, Picture picture, const Parameters& parameters) {
-  std::vector<double> means;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    picture.seed = 60 + i;
-    means.push_back(mean_of(render(scene, "bidirectional_vpl", picture, parameters).find("indirect")->pixels));
-  }
-  return means;
+std::vector<double> means_of_indirect(const Scene& scene, const Picture& picture, const Parameters& parameters) {
+  return layer_means(scene, "bidirectional_vpl", picture, "indirect", parameters, 60);
 }
 
 /// The room, from above a point of its floor.
@@ -90,12 +85,7 @@ TEST_CASE("glossy surfaces by few samples: less noise, errors of the right sign,
   picture.max_bounces = 2;
   Picture more = picture;
   more.iterations = full_run() ? 16384 : 1024;
-  std::vector<double> truth;
-  for (uint32_t i = 0; i < 4; ++i) {
-    more.seed = 90 + i;
-    truth.push_back(mean_of(render(scene, "path_tracing", more).find("indirect")->pixels));
-  }
-  const Estimate expected = estimate_of(truth);
+  const Estimate expected = estimate_of(layer_means(scene, "path_tracing", more, "indirect", {}, 90, 4));
   const auto bias = [&](const char* gloss, uint64_t iterations) {
     Picture some = picture;
     some.iterations = iterations;

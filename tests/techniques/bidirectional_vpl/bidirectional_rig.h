@@ -28,8 +28,7 @@ struct Picture {
   uint32_t pixel_sampling = LUCARIUM_PIXEL_JITTER;
 };
 
-inline Film render(const Scene& scene, const std::string& technique, const Picture& picture,
-                   const Parameters& parameters = {}, const std::shared_ptr<Device>& device = test_device()) {
+inline RenderSettings settings_of(const Scene& scene, const Picture& picture) {
   RenderSettings settings;
   settings.width = picture.width;
   settings.height = picture.height;
@@ -37,9 +36,28 @@ inline Film render(const Scene& scene, const std::string& technique, const Pictu
   settings.seed = picture.seed;
   settings.pixel_sampling = picture.pixel_sampling;
   settings.camera = scene.cameras.front();
-  RenderSession session(device, scene, registry().find(technique), settings, parameters);
+  return settings;
+}
+
+inline Film render(const Scene& scene, const std::string& technique, const Picture& picture,
+                   const Parameters& parameters = {}, const std::shared_ptr<Device>& device = test_device()) {
+  RenderSession session(device, scene, registry().find(technique), settings_of(scene, picture), parameters);
   session.run({.iterations = picture.iterations});
   return session.resolve();
+}
+
+/// `count` independent pictures, of the seeds from `picture.seed` on. What does not depend on the seed is prepared
+/// once.
+inline std::vector<Film> films(const Scene& scene, const std::string& technique, const Picture& picture,
+                               const Parameters& parameters, uint32_t count) {
+  RenderSession session(test_device(), scene, registry().find(technique), settings_of(scene, picture), parameters);
+  std::vector<Film> films;
+  for (uint32_t i = 0; i < count; ++i) {
+    if (i > 0) session.restart(picture.seed + i);
+    session.run({.iterations = picture.iterations});
+    films.push_back(session.resolve());
+  }
+  return films;
 }
 
 /// Inside a white sphere of radius 2 with a point light of 1 cd; the camera looks at its inside.
@@ -75,22 +93,26 @@ inline double mean_of(const std::vector<float>& values) {
 /// Independent pictures, by seed.
 inline std::vector<std::vector<float>> pictures(const Scene& scene, const std::string& technique, Picture picture,
                                                 const Parameters& parameters, uint32_t count) {
+  picture.seed = 1000;
   std::vector<std::vector<float>> images;
-  for (uint32_t i = 0; i < count; ++i) {
-    picture.seed = 1000 + i;
-    images.push_back(image_of(render(scene, technique, picture, parameters)));
-  }
+  for (const Film& film : films(scene, technique, picture, parameters, count)) images.push_back(image_of(film));
   return images;
 }
 
-/// The mean of the layer `indirect`, over seeds.
-inline Estimate indirect(const Scene& scene, Picture picture, const Parameters& parameters) {
+/// The mean of a layer in each of `count` independent pictures, of the seeds from `first_seed` on.
+inline std::vector<double> layer_means(const Scene& scene, const std::string& technique, Picture picture,
+                                       const std::string& layer, const Parameters& parameters, uint64_t first_seed,
+                                       uint32_t count = kSeeds) {
+  picture.seed = first_seed;
   std::vector<double> means;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    picture.seed = 30 + i;
-    means.push_back(mean_of(render(scene, "bidirectional_vpl", picture, parameters).find("indirect")->pixels));
-  }
-  return estimate_of(means);
+  for (const Film& film : films(scene, technique, picture, parameters, count))
+    means.push_back(mean_of(film.find(layer)->pixels));
+  return means;
+}
+
+/// The mean of the layer `indirect`, over seeds.
+inline Estimate indirect(const Scene& scene, const Picture& picture, const Parameters& parameters) {
+  return estimate_of(layer_means(scene, "bidirectional_vpl", picture, "indirect", parameters, 30));
 }
 
 /// Blocks of 8 x 8 pixels and the image's mean agree with path_tracing of the same paths.

@@ -18,14 +18,8 @@ TEST_CASE("in a sphere, virtual lights alone give each bounce albedo^k I / R^2, 
       picture.width = picture.height = 16;
       picture.max_bounces = bounces;
       picture.iterations = full_run() ? 256 : 16;
-      std::vector<double> means;
-      for (uint32_t i = 0; i < 8; ++i) {
-        picture.seed = 10 + i;
-        means.push_back(
-            mean_of(render(scene, "bidirectional_vpl", picture, {{"strategy", "vpl"}, {"light_paths", "512"}})
-                        .find("indirect")
-                        ->pixels));
-      }
+      const std::vector<double> means = layer_means(scene, "bidirectional_vpl", picture, "indirect",
+                                                    {{"strategy", "vpl"}, {"light_paths", "512"}}, 10);
       // Radiance rho E / pi; E_0 of the point light is not uniform, all further bounces are: I / R^2 rho^k.
       double expected = 0;
       for (int k = 1; k <= bounces; ++k) expected += std::pow(double{albedo}, k + 1) / (4 * M_PI);
@@ -48,17 +42,12 @@ TEST_CASE("in a sphere each of few virtual lights counts alike, whatever the num
     picture.width = picture.height = 16;
     picture.max_bounces = 4;
     picture.iterations = full_run() ? 256 : 32;
-    std::vector<double> means;
-    for (uint32_t i = 0; i < 8; ++i) {
-      picture.seed = 40 + i;
-      means.push_back(mean_of(render(scene, "bidirectional_vpl", picture,
-                                     {{"strategy", "vpl"},
-                                      {"light_vertices", "3"},
-                                      {"light_paths", std::to_string(light_paths)},
-                                      {"candidates", std::to_string(candidates)}})
-                                  .find("indirect")
-                                  ->pixels));
-    }
+    const std::vector<double> means = layer_means(scene, "bidirectional_vpl", picture, "indirect",
+                                                  {{"strategy", "vpl"},
+                                                   {"light_vertices", "3"},
+                                                   {"light_paths", std::to_string(light_paths)},
+                                                   {"candidates", std::to_string(candidates)}},
+                                                  40);
     double expected = 0;
     for (int k = 1; k <= picture.max_bounces; ++k) expected += std::pow(double{albedo}, k + 1) / (4 * M_PI);
     table.add(std::to_string(light_paths) + " light paths, " + std::to_string(candidates) + " candidates",
@@ -87,11 +76,10 @@ TEST_CASE("a bundle that serves both sides of surfaces has half the second momen
   ClosedForms table;
   for (const auto& [sides, second_moment] : {std::pair{"two", 4.0 / 3}, std::pair{"one", 8.0 / 3}}) {
     std::vector<double> means, squares;
-    for (uint32_t i = 0; i < 8; ++i) {
-      picture.seed = 20 + i;
-      const Film film =
-          render(scene, "bidirectional_vpl", picture,
-                 {{"strategy", "hit"}, {"directions", "bundle"}, {"bundles", "4096"}, {"bundle_sides", sides}});
+    picture.seed = 20;
+    for (const Film& film :
+         films(scene, "bidirectional_vpl", picture,
+               {{"strategy", "hit"}, {"directions", "bundle"}, {"bundles", "4096"}, {"bundle_sides", sides}}, 8)) {
       std::vector<float> values = film.find("direct")->pixels;
       means.push_back(mean_of(values));
       for (float& value : values) value *= value;

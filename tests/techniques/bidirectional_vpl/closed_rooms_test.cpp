@@ -10,13 +10,8 @@ using namespace lucarium::test;
 namespace {
 
 /// Mean of one layer over independent pictures.
-Estimate mean_of_layer(const Scene& scene, Picture picture, const char* layer, const Parameters& parameters) {
-  std::vector<double> means;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    picture.seed = 20 + i;
-    means.push_back(mean_of(render(scene, "bidirectional_vpl", picture, parameters).find(layer)->pixels));
-  }
-  return estimate_of(means);
+Estimate mean_of_layer(const Scene& scene, const Picture& picture, const char* layer, const Parameters& parameters) {
+  return estimate_of(layer_means(scene, "bidirectional_vpl", picture, layer, parameters, 20));
 }
 
 Picture square(uint32_t side, int max_bounces, uint64_t iterations) {
@@ -80,14 +75,11 @@ TEST_CASE("in a closed box of one albedo each bounce brings the light's power ti
         for (const float side : {-0.5f, 0.5f}) {
           if (middle && (axis.x == 0 || side < 0)) continue;
           scene.cameras = {look_orthographic(glm::vec3(0), side * axis, 0.5f)};
-          Picture picture = square(16, bounces, full_run() ? 4096 : 64);
-          for (uint32_t i = 0; i < kSeeds; ++i) {
-            picture.seed = 20 + i;
-            Parameters all = parameters;
-            all.push_back({"light_paths", "256"});
-            const Film film = render(scene, "bidirectional_vpl", picture, all);
-            sums[i] += mean_of(film.find("indirect")->pixels) * M_PI / double{albedo} * (middle ? 6 : 1);
-          }
+          const Picture picture = square(16, bounces, full_run() ? 4096 : 64);
+          Parameters all = parameters;
+          all.push_back({"light_paths", "256"});
+          const std::vector<double> means = layer_means(scene, "bidirectional_vpl", picture, "indirect", all, 20);
+          for (uint32_t i = 0; i < kSeeds; ++i) sums[i] += means[i] * M_PI / double{albedo} * (middle ? 6 : 1);
         }
       }
       double expected = 0;
@@ -141,11 +133,9 @@ TEST_CASE("furnace: bodies under an even sky show their albedo, and lose nothing
   // lobes.
   block.cameras = {look_orthographic({0.7f, 1.2f, 0.4f}, {0.1f, -1, 0}, 0.4f)};
   std::vector<double> sums;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    Picture one = picture;
-    one.seed = 40 + i;
-    sums.push_back(mean_of(image_of(render(block, "bidirectional_vpl", one, {}))));
-  }
+  Picture first = picture;
+  first.seed = 40;
+  for (const Film& film : films(block, "bidirectional_vpl", first, {}, kSeeds)) sums.push_back(mean_of(image_of(film)));
   table.add("floor below glass", estimate_of(sums), 1);
   table.check(0.01);
 }

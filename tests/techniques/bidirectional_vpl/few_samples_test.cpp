@@ -20,9 +20,9 @@ Picture few(uint64_t iterations) {
 /// Of eight pictures' layer, by pixel: the variance summed over pixels, and the mean.
 std::pair<double, double> variance_and_mean(const Scene& scene, Picture picture, const Parameters& parameters) {
   std::vector<double> sums, squares;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    picture.seed = 5 + i;
-    const std::vector<float> pixels = render(scene, "bidirectional_vpl", picture, parameters).find("indirect")->pixels;
+  picture.seed = 5;
+  for (const Film& film : films(scene, "bidirectional_vpl", picture, parameters, kSeeds)) {
+    const std::vector<float>& pixels = film.find("indirect")->pixels;
     sums.resize(pixels.size());
     squares.resize(pixels.size());
     for (size_t p = 0; p < pixels.size(); ++p) {

@@ -79,10 +79,9 @@ TEST_CASE("guide: pictures of a caustic have the same light with less noise") {
     std::vector<double> means;
     double squares = 0;
     std::vector<std::vector<float>> images;
-    for (uint32_t i = 0; i < kSeeds; ++i) {
-      picture.seed = 1000 + i;
-      const Parameters parameters = {{"guide", guide}, {"adapt", "off"}};
-      images.push_back(render(scene, "bidirectional_vpl", picture, parameters).find("indirect")->pixels);
+    picture.seed = 1000;
+    for (const Film& film : films(scene, "bidirectional_vpl", picture, {{"guide", guide}, {"adapt", "off"}}, kSeeds)) {
+      images.push_back(film.find("indirect")->pixels);
       means.push_back(mean_of(images.back()));
     }
     for (size_t i = 0; i < images.front().size(); ++i) {
@@ -116,10 +115,9 @@ TEST_CASE("guide: in a shining box with a mirror all directions have their light
   picture.max_bounces = -1;
   picture.iterations = full_run() ? 512 : 16;
   std::vector<double> means;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    picture.seed = 30 + i;
-    means.push_back(mean_of(image_of(render(scene, "bidirectional_vpl", picture))));
-  }
+  picture.seed = 30;
+  for (const Film& film : films(scene, "bidirectional_vpl", picture, {}, kSeeds))
+    means.push_back(mean_of(image_of(film)));
   ClosedForms table;
   table.add("all", estimate_of(means), 2);
   table.check(0.02);

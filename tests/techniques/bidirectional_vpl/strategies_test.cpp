@@ -10,14 +10,9 @@ using namespace lucarium::test;
 namespace {
 
 /// Means over independent pictures of a layer.
-Estimate layer_estimate(const Scene& scene, const std::string& technique, Picture picture, const char* layer,
+Estimate layer_estimate(const Scene& scene, const std::string& technique, const Picture& picture, const char* layer,
                         const Parameters& parameters) {
-  std::vector<double> means;
-  for (uint32_t i = 0; i < kSeeds; ++i) {
-    picture.seed = 100 + i;
-    means.push_back(mean_of(render(scene, technique, picture, parameters).find(layer)->pixels));
-  }
-  return estimate_of(means);
+  return estimate_of(layer_means(scene, technique, picture, layer, parameters, 100));
 }
 
 /// A layer of a scene by path tracing.

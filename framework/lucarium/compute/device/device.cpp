@@ -248,6 +248,7 @@ std::shared_ptr<Device> Device::open(const DeviceOptions& options) {
 }
 
 Device::~Device() {
+  kept_programs_.clear();
   if (overlap_queue_) report_release(clReleaseCommandQueue(overlap_queue_), "clReleaseCommandQueue");
   if (queue_) report_release(clReleaseCommandQueue(queue_), "clReleaseCommandQueue");
   if (context_) report_release(clReleaseContext(context_), "clReleaseContext");

@@ -9,40 +9,15 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/hash.h"
-#include "lucarium/base/log.h"
 #include "lucarium/base/processor_time.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/base/text/nearest_name.h"
-#include "lucarium/compute/device/cl_handle.h"
-#include "lucarium/compute/device/pocl_folder.h"
-#include "lucarium/compute/device/program_cache.h"
-#include "lucarium/compute/program/built_ins.h"
-#include "lucarium/compute/program/kernel_reflection.h"
-#include "lucarium/compute/program/line_names.h"
+#include "lucarium/compute/program/built_program.h"
 #include "lucarium/compute/program/pocl_files.h"
 #include "lucarium/compute/program/source_library.h"
 
 namespace lucarium {
 namespace {
-
-/// Defines stand in the source and not on the driver's command line, so that any value is passed on untouched.
-std::string preamble(const ProgramSpec& spec) {
-  std::string text = fmt::format("#line 1 \"<defines of {}>\"\n", spec.name);
-  // clang warns of every 64-byte vector that a function takes or returns on a processor without AVX-512, and PoCL has
-  // it print how often. All of a program is compiled for the same processor, so that nothing disagrees.
-  text +=
-      "#if defined(__clang__) && defined(__has_warning)\n#if __has_warning(\"-Wpsabi\")\n"
-      "#pragma clang diagnostic ignored \"-Wpsabi\"\n#endif\n#endif\n";
-  // OpenCL C contracts a*b+c by default; the options offer no way to forbid it.
-  if (!spec.mad_enable) text += "#pragma OPENCL FP_CONTRACT OFF\n";
-  for (const auto& [name, value] : spec.defines) {
-    if (value.find('\n') != std::string::npos) {
-      throw_error(ErrorClass::internal, "program {}: the value of define {} has a line break", spec.name, name);
-    }
-    text += fmt::format("#define {} {}\n", name, value.empty() ? "1" : value);
-  }
-  return text;
-}
 
 std::optional<Hash128> request_of(const SourceLibrary& library, const ProgramSpec& spec) {
   const std::optional<Hash128> sources = library.fingerprint();
@@ -54,114 +29,21 @@ std::optional<Hash128> request_of(const SourceLibrary& library, const ProgramSpe
   return hasher.finish();
 }
 
-/// A whole program as it is given to the driver.
-struct ProgramText {
-  std::string source, options;
-};
-
-std::string build_options(const ProgramSpec& spec) {
-  return std::string("-cl-std=CL1.2 -cl-kernel-arg-info") + (spec.mad_enable ? " -cl-mad-enable" : "");
-}
-
-/// The same program in the way in which the driver builds it faster; none where there is no such way.
-std::optional<ProgramText> faster_text(const Device& device, const ProgramText& text) {
-  if (!can_declare_built_ins(device.info())) return std::nullopt;
-  const std::optional<std::string> declarations = declare_built_ins(text.source);
-  if (!declarations) return std::nullopt;
-  return ProgramText{*declarations + text.source, text.options + without_built_ins};
-}
-
-/// What the compiler said of `source`.
-std::string build_log(cl_program program, const Device& device, const std::string& source) {
-  size_t bytes = 0;
-  if (clGetProgramBuildInfo(program, device.id(), CL_PROGRAM_BUILD_LOG, 0, nullptr, &bytes) != CL_SUCCESS) return "";
-  std::string log(bytes, '\0');
-  clGetProgramBuildInfo(program, device.id(), CL_PROGRAM_BUILD_LOG, bytes, log.data(), nullptr);
-  log.resize(std::min(log.find('\0'), log.size()));
-  return name_lines(log, source);
-}
-
-/// The compiler's first error with file and line, or the first line that says anything.
-std::string first_error(const std::string& log) {
-  std::string fallback;
-  for (std::string_view rest = log; !rest.empty();) {
-    const size_t end = std::min(rest.find('\n'), rest.size());
-    std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    const bool is_error = line.find("error:") != std::string_view::npos;
-    if (constexpr std::string_view prefix = "error: "; line.starts_with(prefix)) line.remove_prefix(prefix.size());
-    if (is_error) return std::string(line);
-    if (fallback.empty() && line.find_first_not_of(" \t\r") != std::string_view::npos) fallback = line;
-  }
-  return fallback.empty() ? "the driver gives no reason" : fallback;
-}
-
-void build(cl_program program, const Device& device, const ProgramSpec& spec, const ProgramText& text) {
-  const cl_device_id id = device.id();
-  const cl_int code = clBuildProgram(program, 1, &id, text.options.c_str(), nullptr, nullptr);
-  if (code == CL_BUILD_PROGRAM_FAILURE) {
-    const std::string log = build_log(program, device, text.source);
-    throw Error(ErrorClass::device, fmt::format("program {} does not compile: {}", spec.name, first_error(log)))
-        .with_details(fmt::format("build log of {} on {}:\n{}", spec.name, device.info().name, log));
-  }
-  check_opencl(code, "clBuildProgram", "program " + spec.name, device);
-  const std::string log = build_log(program, device, text.source);
-  if (log.find("warning:") != std::string::npos) log_debug("program {}: {}", spec.name, log);
-}
-
-ClProgram create_from_source(const Device& device, const ProgramSpec& spec, const std::string& source) {
-  const char* text = source.c_str();
-  const size_t length = source.size();
-  cl_int code = CL_SUCCESS;
-  ClProgram program(clCreateProgramWithSource(device.context(), 1, &text, &length, &code));
-  check_opencl(code, "clCreateProgramWithSource", "program " + spec.name, device);
-  return program;
-}
-
-ClProgram create_from_binary(const Device& device, const ProgramSpec& spec, const std::string& binary) {
-  const cl_device_id id = device.id();
-  const size_t length = binary.size();
-  const auto* bytes = reinterpret_cast<const unsigned char*>(binary.data());
-  cl_int status = CL_SUCCESS, code = CL_SUCCESS;
-  ClProgram program(clCreateProgramWithBinary(device.context(), 1, &id, &length, &bytes, &status, &code));
-  check_opencl(code, "clCreateProgramWithBinary", "program " + spec.name, device);
-  check_opencl(status, "clCreateProgramWithBinary", "program " + spec.name, device);
-  return program;
-}
-
 std::atomic<double> all_processor_seconds = 0;
 
-/// The driver's binary of a built program, or empty when it gives none.
-std::string binary_of(cl_program program) {
-  size_t length = 0;
-  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof length, &length, nullptr) != CL_SUCCESS) return "";
-  std::string binary(length, '\0');
-  auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
-  if (length == 0 || clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof bytes, &bytes, nullptr) != CL_SUCCESS)
-    return "";
-  return binary;
-}
+/// As many as a comparison of all techniques has, and a few MB each.
+constexpr size_t max_kept = 64;
 
 }  // namespace
 
 struct Program::State : std::enable_shared_from_this<Program::State> {
   std::shared_ptr<Device> device;
-  std::string name;
-  ClProgram program;
-  std::map<std::string, KernelSignature, std::less<>> signatures;
-  bool from_cache = false, declares_built_ins = false;
+  std::shared_ptr<BuiltProgram> built;
   double build_seconds = 0;
-
-  std::optional<Hash128> request;    // of sources and specification; none where sources may change
-  ProgramText text;                  // until it is made; where others can compile launch code, until it is written
-  Hash128 key;                       // of the text
-  std::string driver_program;        // see driver_files.h; empty where there is none to keep
-  std::set<std::string> kept_files;  // of the driver, in the cache entry
-  ProgramSource source;
 
   /// The programs that are ready.
   struct Registry {
-    std::mutex mutex;
+    std::mutex mutex;  // also of what devices keep
     std::set<State*> states;
   };
   /// Never destroyed: programs that are static objects themselves may outlive whatever was made after them.
@@ -170,15 +52,36 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
     return instance;
   }
 
-  /// A program that is there already and was asked for in the same words, or null.
+  /// A program that somebody has and that was asked for in the same words, or null.
   static std::shared_ptr<State> find(const Device& device, const std::optional<Hash128>& request) {
     if (!request) return nullptr;
     const std::lock_guard lock(registry().mutex);
     for (State* state : registry().states) {
-      if (state->device.get() != &device || state->request != request) continue;
+      if (state->device.get() != &device || state->built->request != request) continue;
       if (std::shared_ptr<State> shared = state->weak_from_this().lock()) return shared;
     }
     return nullptr;
+  }
+
+  /// One that the device has kept, or null.
+  static std::shared_ptr<BuiltProgram> find_kept(Device& device, const std::optional<Hash128>& request) {
+    if (!request) return nullptr;
+    const std::lock_guard lock(registry().mutex);
+    for (const std::shared_ptr<BuiltProgram>& kept : device.kept_programs()) {
+      if (kept->request == request) return kept;
+    }
+    return nullptr;
+  }
+
+  /// It is among those that are used; the device keeps it, and no longer what was used least recently.
+  void enter() {
+    const std::lock_guard lock(registry().mutex);
+    registry().states.insert(this);
+    if (!built->request) return;
+    std::vector<std::shared_ptr<BuiltProgram>>& kept = device->kept_programs();
+    std::erase(kept, built);
+    kept.push_back(built);
+    if (kept.size() > max_kept) kept.erase(kept.begin());
   }
 
   ~State() {
@@ -186,116 +89,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
       const std::lock_guard lock(registry().mutex);
       registry().states.erase(this);
     }
-    cache_specialized_kernels();
-  }
-
-  bool has_driver_files() const { return device->info().is_pocl && driver_folder() != nullptr; }
-
-  /// Compiles it or takes it from the cache. What does not compile in the faster way is compiled as it is, and the
-  /// driver's messages are of that.
-  void make(const ProgramSpec& spec, const ProgramText& whole) {
-    const std::optional<ProgramText> faster = faster_text(*device, whole);
-    from_cache = (faster && load_text(spec, *faster)) || load_text(spec, whole);
-    if (from_cache) return;
-    device->compile_progress().build(spec.name);
-    if (faster) {
-      try {
-        use(*faster);
-        return compile(spec);
-      } catch (const std::exception& error) {
-        log_debug("program {}: compiled with the driver's own declarations: {}", spec.name, error.what());
-      }
-    }
-    use(whole);
-    compile(spec);
-  }
-
-  void use(const ProgramText& given) {
-    text = given;
-    declares_built_ins = given.options.ends_with(without_built_ins);
-    key = device->program_cache().key(text.source, text.options);
-  }
-
-  bool load_text(const ProgramSpec& spec, const ProgramText& given) {
-    use(given);
-    return load(spec);
-  }
-
-  /// Whether a whole entry was found and the driver took it.
-  bool load(const ProgramSpec& spec) {
-    const std::optional<CachedProgram> entry = device->program_cache().load(key);
-    if (!entry) return false;
-    try {
-      if (has_driver_files()) restore_driver_files(key, *entry);
-      program = entry->binary.empty() ? create_from_source(*device, spec, text.source)
-                                      : create_from_binary(*device, spec, entry->binary);
-      build(program.get(), *device, spec, text);
-    } catch (const std::exception& error) {
-      log_debug("program cache: {} is rebuilt: {}", spec.name, error.what());
-      program = ClProgram();
-      device->program_cache().discard(key);
-      return false;
-    }
-    set_signatures(entry->signatures);
-    driver_program = entry->driver_program;
-    for (const DriverFile& file : entry->driver_files) kept_files.insert(file.path);
-    return true;
-  }
-
-  void compile(const ProgramSpec& spec) {
-    program = create_from_source(*device, spec, text.source);
-    if (has_driver_files()) {
-      driver_program = program_made_by(key, [&] { build(program.get(), *device, spec, text); });
-    } else {
-      build(program.get(), *device, spec, text);
-    }
-    CachedProgram entry;
-    entry.signatures = reflect_kernels(*device, program.get(), spec.name);
-    set_signatures(entry.signatures);
-    if (!device->program_cache().enabled()) return;
-    if (has_driver_files()) {
-      if (driver_program.empty()) return;
-      entry.driver_program = driver_program;
-      kept_files = list_driver_files(driver_program);
-      entry.driver_files = read_driver_files(kept_files);
-    } else {
-      entry.binary = binary_of(program.get());
-      if (entry.binary.empty()) return;
-    }
-    device->program_cache().store(key, entry);
-  }
-
-  void cache_specialized_kernels() noexcept {
-    if (driver_program.empty()) return;
-    try {
-      const ProgramCache& cache = device->program_cache();
-      if (!cache.enabled() || !has_driver_files()) return;
-      const std::set<std::string> present = list_driver_files(driver_program);
-      if (std::includes(kept_files.begin(), kept_files.end(), present.begin(), present.end())) return;
-      std::optional<CachedProgram> entry = cache.load(key);
-      if (!entry) return;
-      std::set<std::string> missing = present;  // another process may have added some
-      for (const DriverFile& file : entry->driver_files) missing.erase(file.path);
-      for (DriverFile& file : read_driver_files(missing)) entry->driver_files.push_back(std::move(file));
-      if (entry->binary.empty()) {
-        without_generic_variants(driver_program, names(), [&] { entry->binary = binary_of(program.get()); });
-      }
-      cache.store(key, *entry);
-      kept_files = present;
-    } catch (const std::exception& error) {
-      log_debug("program cache: launch code of {} is not kept: {}", name, error.what());
-    }
-  }
-
-  std::vector<std::string> names() const {
-    std::vector<std::string> list;
-    for (const auto& [kernel, signature] : signatures) list.push_back(kernel);
-    return list;
-  }
-
- private:
-  void set_signatures(const std::vector<KernelSignature>& list) {
-    for (const KernelSignature& signature : list) signatures.emplace(signature.name, signature);
+    if (built) built->cache_specialized_kernels(*device);
   }
 };
 
@@ -307,15 +101,17 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   const Stopwatch watch;
   const double before = processor_seconds();
   state_->device = device.shared_from_this();
-  state_->name = spec.name;
-  state_->request = request;
-  state_->make(spec, {preamble(spec) + library.preprocess(spec.files), build_options(spec)});
-  {
-    const std::lock_guard lock(State::registry().mutex);
-    State::registry().states.insert(state_.get());
+  state_->built = State::find_kept(device, request);
+  if (!state_->built) {
+    auto built = std::make_shared<BuiltProgram>();
+    built->name = spec.name;
+    built->request = request;
+    built->make(device, spec, program_text(spec, library.preprocess(spec.files)));
+    if (device.kernel_compilers() && !built->driver_program.empty()) built->source.options = built->text.options;
+    if (built->source.options.empty()) built->text = {};
+    state_->built = std::move(built);
   }
-  if (device.kernel_compilers() && !state_->driver_program.empty()) state_->source.options = state_->text.options;
-  if (state_->source.options.empty()) state_->text = {};
+  state_->enter();
   state_->build_seconds = watch.seconds();
   device.add_program_seconds(state_->build_seconds);
   all_processor_seconds += processor_seconds() - before;
@@ -336,32 +132,33 @@ void cache_specialized_kernels(const Device& device) noexcept {
   Program::State::Registry& registry = Program::State::registry();
   const std::lock_guard lock(registry.mutex);
   for (Program::State* state : registry.states) {
-    if (state->device.get() == &device) state->cache_specialized_kernels();
+    if (state->device.get() == &device) state->built->cache_specialized_kernels(*state->device);
   }
 }
-const std::string& Program::name() const { return state_->name; }
+const std::string& Program::name() const { return state_->built->name; }
 Device& Program::device() const { return *state_->device; }
-cl_program Program::handle() const { return state_->program.get(); }
+cl_program Program::handle() const { return state_->built->program.get(); }
 bool Program::lacks_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const {
-  const bool possible = !state_->source.options.empty();
-  return possible && !has_launch_code(state_->driver_program, kernel, local, is_large);
+  const bool possible = !state_->built->source.options.empty();
+  return possible && !has_launch_code(state_->built->driver_program, kernel, local, is_large);
 }
 const ProgramSource& Program::source() const {
-  if (state_->source.file.empty()) state_->source.file = write_source(state_->key, state_->text.source);
-  state_->text = {};
-  return state_->source;
+  BuiltProgram& built = *state_->built;
+  if (built.source.file.empty()) built.source.file = write_source(built.key, built.text.source);
+  built.text = {};
+  return built.source;
 }
-bool Program::from_cache() const { return state_->from_cache; }
-bool Program::declares_built_ins() const { return state_->declares_built_ins; }
+bool Program::from_cache() const { return state_->built->from_cache; }
+bool Program::declares_built_ins() const { return state_->built->declares_built_ins; }
 double Program::build_seconds() const { return state_->build_seconds; }
 
 const KernelSignature& Program::signature(std::string_view kernel) const {
-  const auto found = state_->signatures.find(kernel);
-  if (found != state_->signatures.end()) return found->second;
+  const auto found = state_->built->signatures.find(kernel);
+  if (found != state_->built->signatures.end()) return found->second;
   throw_error(ErrorClass::device, "program {} has no kernel '{}'{}", name(), kernel,
               suggest_name(kernel, kernel_names()));
 }
 
-std::vector<std::string> Program::kernel_names() const { return state_->names(); }
+std::vector<std::string> Program::kernel_names() const { return state_->built->kernel_names(); }
 
 }  // namespace lucarium

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -32,6 +33,7 @@ std::shared_ptr<Device> device_with(const fs::path& cache_dir) {
   return Device::open(options);
 }
 
+/// On a device of its own there is nothing to share: the program is compiled, or comes from the cache.
 Program build(const std::shared_ptr<Device>& device, const std::string& factor = "3") {
   SourceLibrary library;
   library.add(sources);
@@ -59,17 +61,16 @@ void overwrite(const fs::path& path, const std::string& bytes) { std::ofstream(p
 
 TEST_CASE("the second build comes from the cache, another define does not") {
   const TemporaryFolder folder;
-  const auto device = device_with(folder.path());
   {
-    const Program first = build(device);
+    const Program first = build(device_with(folder.path()));
     CHECK(!first.from_cache());
     check_results(first);
   }
   CHECK(entries(folder.path()).size() == 1);
-  const Program second = build(device);
+  const Program second = build(device_with(folder.path()));
   CHECK(second.from_cache());
   check_results(second);
-  const Program other = build(device, "5");
+  const Program other = build(device_with(folder.path()), "5");
   CHECK(!other.from_cache());
   check_results(other, 5);
   CHECK(entries(folder.path()).size() == 2);
@@ -85,6 +86,34 @@ TEST_CASE("a program that is there is shared by all that have its source, on one
   check_results(build(device));
 }
 
+TEST_CASE("a program that nobody has any more stays built on its device, until many others were used since") {
+  const TemporaryFolder folder;
+  DeviceOptions options;
+  options.cache_dir = folder.path();
+  options.use_cache = false;
+  const auto device = Device::open(options);
+  check_results(build(device));
+  REQUIRE(device->kept_programs().size() == 1);
+  const BuiltProgram* const first = device->kept_programs().front().get();
+  for (int i = 0; i < 3; ++i) check_results(build(device));
+  CHECK(device->kept_programs().size() == 1);
+  constexpr size_t most = 64;
+  const auto is_kept = [&] {
+    const auto& kept = device->kept_programs();
+    return std::any_of(kept.begin(), kept.end(), [&](const auto& program) { return program.get() == first; });
+  };
+  for (size_t i = 1; i < most; ++i) build(device, std::to_string(100 + i));
+  CHECK(device->kept_programs().size() == most);
+  CHECK(is_kept());
+  check_results(build(device));  // it is the last used one now
+  build(device, "7");
+  CHECK(is_kept());
+  CHECK(device->kept_programs().size() == most);
+  for (size_t i = 0; i < most; ++i) build(device, std::to_string(200 + i));
+  CHECK(!is_kept());
+  check_results(build(device));
+}
+
 TEST_CASE("with the cache off nothing is read or written") {
   const TemporaryFolder folder;
   build(device_with(folder.path()));
@@ -93,23 +122,23 @@ TEST_CASE("with the cache off nothing is read or written") {
   options.use_cache = false;
   const auto device = Device::open(options);
   CHECK(!build(device).from_cache());
+  CHECK(!build(Device::open(options)).from_cache());
   CHECK(!build(device, "7").from_cache());
   CHECK(entries(folder.path()).size() == 1);
 }
 
 TEST_CASE("a damaged entry is rebuilt, wherever the damage is") {
   const TemporaryFolder folder;
-  const auto device = device_with(folder.path());
   const auto check_rebuilt = [&](const std::string& damage) {
     CAPTURE(damage);
     {
-      const Program rebuilt = build(device);
+      const Program rebuilt = build(device_with(folder.path()));
       CHECK(!rebuilt.from_cache());
       CHECK(launch(rebuilt, "ids", 4, 2) == std::vector<uint32_t>{0, 3, 6, 9});
     }
-    CHECK(build(device).from_cache());
+    CHECK(build(device_with(folder.path())).from_cache());
   };
-  check_results(build(device));
+  check_results(build(device_with(folder.path())));
   const fs::path entry = entries(folder.path()).at(0);
   const std::string whole = read_file(entry);
 
@@ -137,26 +166,24 @@ TEST_CASE("a damaged entry is rebuilt, wherever the damage is") {
 
 TEST_CASE("an entry under another's name is not taken") {
   const TemporaryFolder folder;
-  const auto device = device_with(folder.path());
-  build(device, "3");
+  build(device_with(folder.path()), "3");
   const fs::path first = entries(folder.path()).at(0);
   const std::string bytes = read_file(first);
   fs::remove(first);
-  build(device, "5");
+  build(device_with(folder.path()), "5");
   overwrite(entries(folder.path()).at(0), bytes);
-  const Program program = build(device, "5");
+  const Program program = build(device_with(folder.path()), "5");
   CHECK(!program.from_cache());
   check_results(program, 5);
 }
 
 TEST_CASE("a folder where the entry should be is no harm") {
   const TemporaryFolder folder;
-  const auto device = device_with(folder.path());
-  build(device);
+  build(device_with(folder.path()));
   const fs::path entry = entries(folder.path()).at(0);
   fs::remove(entry);
   fs::create_directories(entry / "inside");
-  check_results(build(device));
+  check_results(build(device_with(folder.path())));
 }
 
 TEST_CASE("a cache folder that cannot be written is no harm") {

@@ -47,7 +47,6 @@ TEST_CASE("a kernel's signature comes from the compiler, and from the cache the 
   const TemporaryFolder folder;
   DeviceOptions options;
   options.cache_dir = folder.path();
-  const auto device = Device::open(options);
   const EmbeddedSources sources = {
       {"probe/scale.cl",
        "typedef struct Probe { float offset; int pad; } Probe;\n"
@@ -63,6 +62,7 @@ TEST_CASE("a kernel's signature comes from the compiler, and from the cache the 
   library.add(sources);
   for (const bool cached : {false, true}) {
     CAPTURE(cached);
+    const auto device = Device::open(options);  // which has no program yet
     const Program program(*device, library, {"probe", {"probe/scale.cl"}, {{"FACTOR", "2.0f"}}});
     CHECK(program.from_cache() == cached);
     CHECK(program.build_seconds() > 0);
