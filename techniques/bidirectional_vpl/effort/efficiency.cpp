@@ -10,11 +10,11 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-// Times of events over that of a shadow ray, means of builtin:cornell (where a shadow ray takes 25 ns) and
-// builtin:atrium (50 ns), 320 x 180, on two cores with AVX-512: a camera path's vertex with its closest hit 100 and
-// 250 ns, a connection 100 and 150, each of its candidates 3, a light path's vertex 200 and 230, a splat 170, a
-// path 45.
-constexpr double kVertex = 4.5, kConnection = 3.5, kCandidate = 0.09, kLightPathVertex = 6.3, kSplat = 5.1, kPath = 1.4;
+// Times of events over that of a shadow ray, geometric means over four scenes on two cores with AVX2
+// (docs/measurements/bidirectional_vpl.md): a camera path's vertex with its closest hit, a connection, each of its
+// candidates, a light path's vertex, a splat, a path.
+constexpr double kVertex = 4.6, kConnection = 5.3, kCandidate = 0.046, kLightPathVertex = 4.6, kSplat = 8.3,
+                 kPath = 1.5;
 
 constexpr int kBlur = 2;                     // pixels to each side
 constexpr uint32_t kBlocks[] = {8, 16, 32};  // pixels along blocks in which light may be missing
