@@ -20,8 +20,7 @@ class SmallParts {
   Parts parts_;
 };
 
-/// Parts of the efforts that every trial needs, from one beginning of an image to the next: while they are there, their
-/// programs are.
+/// Parts of the efforts that every trial needs, from one beginning of an image to the next.
 class KeptParts {
  public:
   /// Those of `effort`, or null.

@@ -87,7 +87,7 @@ void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& 
 
 void EyePaths::count_rays(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& rays,
                           uint32_t index) const {
-  // Choices are counted once, beside the rays that are left or where none are.
+  // Choices are counted once: with the connection rays, or, where maps answer all connections, with the look-ups.
   const bool connections = index == BIDIRECTIONAL_COUNT_CONNECTION_RAYS ||
                            (index == BIDIRECTIONAL_COUNT_CONNECTION_TESTS && maps_.vpls()->answers_all());
   const uint32_t choices = connections && plan_.has_table() ? 1 : 0;

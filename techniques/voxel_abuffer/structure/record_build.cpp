@@ -75,7 +75,7 @@ void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const Abuffer
       .local(1)
       .arg("abuffer_grid", grid_buffer)
       .arg("abuffer_bricks", bricks);
-  if (walls && keeps_reaches(grid))
+  if (walls && with_reaches())
     recorder.pass("mark_reaches", voxel_program, "abuffer_mark_reaches")
         .global(8)
         .local(1)

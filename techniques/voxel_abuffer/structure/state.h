@@ -30,6 +30,8 @@ struct VoxelAbuffer::State {
   void run_build();
   /// Moves components that the build marked to exact search; whether there were any.
   bool move_marked();
+  /// Whether voxels that parity searches have reaches (ABUFFER_REACHES).
+  bool with_reaches() const;
   void compile();
   void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const RayBuffers& rays,
               const char* result_name, const BufferRef& result) const;

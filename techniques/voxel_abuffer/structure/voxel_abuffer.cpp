@@ -115,6 +115,11 @@ void VoxelAbuffer::State::prepare() {
   statistics.expected_parity_fragments = static_cast<double>(parity_sum.download()[0]);
 }
 
+/// One work-item marks them for an octant, which takes processors of other kinds longer than rays gain.
+bool VoxelAbuffer::State::with_reaches() const {
+  return options.intersect != Intersect::plane && keeps_reaches(grid) && device->info().type == DeviceType::cpu;
+}
+
 void VoxelAbuffer::State::reserve() {
   const auto room = [](double expected) { return static_cast<size_t>(1.02 * expected) + 4096; };
   const size_t voxel_count = 64 * brick_count(grid);
@@ -124,7 +129,7 @@ void VoxelAbuffer::State::reserve() {
   if (classes.parity_triangles > 0 && !parity)
     parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size, options.attributes == Attributes::stored);
   generation += make_room(*device, voxels, "voxels", voxel_count, coarser_grid);
-  const bool reaches = parity && options.intersect != Intersect::plane && keeps_reaches(grid);
+  const bool reaches = parity && with_reaches();
   generation += make_room(*device, bricks, "bricks", (reaches ? 66 : 2) * brick_count(grid), coarser_grid);
   generation += make_room(*device, cells, "cells", ABUFFER_CELL_WORDS, coarser_grid);
   if (exact) exact->reserve(grid, exact_room);
@@ -224,7 +229,7 @@ void VoxelAbuffer::State::compile() {
     const bool points = options.search != Search::columns && searches_points(size);
     defines["ABUFFER_STEPS"] = !points ? "0" : options.search == Search::one_step ? "1" : "3";
     if (options.intersect == Intersect::plane) defines["ABUFFER_PLANES"] = "";
-    if (options.intersect != Intersect::plane && keeps_reaches(grid)) defines["ABUFFER_REACHES"] = "";
+    if (with_reaches()) defines["ABUFFER_REACHES"] = "";
     if (options.intersect == Intersect::parity && classes.open_components > 0) defines["ABUFFER_OPEN_MESHES"] = "";
     if (options.attributes != Attributes::triangle) defines["ABUFFER_UNREFINED"] = "";
     if (options.attributes == Attributes::stored) defines["ABUFFER_STORED"] = "";

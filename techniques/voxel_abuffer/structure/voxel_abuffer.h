@@ -47,7 +47,7 @@ struct VoxelAbufferOptions {
 /// What rays did since the structure was made; all 0 without count_work.
 struct AbufferWork {
   uint64_t searches = 0;          ///< begun: two per ray where there are triangles for parity and for exact search
-  uint64_t voxel_steps = 0;       ///< to the next voxel, or over an empty brick
+  uint64_t voxel_steps = 0;       ///< to the next voxel, or over a cube of empty bricks or free voxels
   uint64_t column_steps = 0;      ///< columns looked at, points for sampled searches
   uint64_t bisection_steps = 0;   ///< further points
   uint64_t triangle_tests = 0;    ///< by exact search

@@ -49,6 +49,7 @@ struct Buffer::Storage {
     const std::string advice = remedy.empty() ? "" : "; " + remedy;
     size_t available = available_host_memory();
     if (allocated > available) {
+      device->kept_programs().clear();
       give_back_freed_memory();
       available = available_host_memory();
     }

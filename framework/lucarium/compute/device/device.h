@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lucarium/compute/device/compile_progress.h"
+#include "lucarium/compute/device/kept_programs.h"
 #include "lucarium/compute/device/memory_account.h"
 
 namespace lucarium {
@@ -51,7 +52,6 @@ std::vector<DeviceInfo> list_devices(const DeviceOptions& options = {});
 
 class KernelCompilers;
 class ProgramCache;
-struct BuiltProgram;
 
 /// One OpenCL device with its context, an in-order queue, memory account and program cache.
 class Device : public std::enable_shared_from_this<Device> {
@@ -80,8 +80,7 @@ class Device : public std::enable_shared_from_this<Device> {
   CompileProgress& compile_progress() { return compile_progress_; }
   /// Null where compiling in other processes would be of no use.
   KernelCompilers* kernel_compilers() { return kernel_compilers_.get(); }
-  /// Programs that stay built when nobody has them any more, the last used at the end: the next session needs the same.
-  std::vector<std::shared_ptr<BuiltProgram>>& kept_programs() { return kept_programs_; }
+  KeptPrograms& kept_programs() { return kept_programs_; }
 
   /// Waits for everything enqueued. The only place besides read-backs where the host waits.
   void finish();
@@ -97,7 +96,7 @@ class Device : public std::enable_shared_from_this<Device> {
   double program_seconds_ = 0;
   CompileProgress compile_progress_;
   std::unique_ptr<KernelCompilers> kernel_compilers_;
-  std::vector<std::shared_ptr<BuiltProgram>> kept_programs_;
+  KeptPrograms kept_programs_;
 };
 
 /// "CL_INVALID_KERNEL_ARGS" for -52.

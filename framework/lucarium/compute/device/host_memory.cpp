@@ -71,8 +71,8 @@ size_t available_host_memory() { return std::min(meminfo_available(), control_gr
 
 void* map_host_memory(size_t bytes) {
   // Large pages make scattered reads faster, and touching the memory faster still (docs/measurements/scheduler.md).
-  // Only a hint: systems without them refuse it, and nothing changes. What holds one begins where one may, since a page
-  // that lies in it by halves is none; what was mapped around it is given back.
+  // Only a hint: systems without them refuse it, and nothing changes. Memory of that size begins at a multiple of it,
+  // since large pages do; what was mapped around it is given back.
   constexpr size_t large_page = size_t{2} << 20;
   const bool large = bytes >= large_page && bytes <= unknown - large_page;
   const size_t mapped = large ? bytes + large_page : bytes;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Why PoCL's own cache does not do: from source it always preprocesses a megabyte of headers, and asked for a binary it
-// compiles one more variant of every kernel (driver_files.h avoids that). Its folder cannot be trusted from one process
+// compiles one more variant of every kernel (pocl_files.h avoids that). Its folder cannot be trusted from one process
 // to the next either: a damaged program.bc or .so there ends the process. Hence a folder per process (DriverFolder),
 // filled from verified entries. What each way costs: docs/measurements/building.md.
 #include "lucarium/compute/device/program_cache.h"

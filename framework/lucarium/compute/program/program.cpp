@@ -31,9 +31,6 @@ std::optional<Hash128> request_of(const SourceLibrary& library, const ProgramSpe
 
 std::atomic<double> all_processor_seconds = 0;
 
-/// As many as a comparison of all techniques has, and a few MB each.
-constexpr size_t max_kept = 64;
-
 }  // namespace
 
 struct Program::State : std::enable_shared_from_this<Program::State> {
@@ -43,7 +40,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
 
   /// The programs that are ready.
   struct Registry {
-    std::mutex mutex;  // also of what devices keep
+    std::mutex mutex;
     std::set<State*> states;
   };
   /// Never destroyed: programs that are static objects themselves may outlive whatever was made after them.
@@ -63,32 +60,14 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
     return nullptr;
   }
 
-  /// One that the device has kept, or null.
-  static std::shared_ptr<BuiltProgram> find_kept(Device& device, const std::optional<Hash128>& request) {
-    if (!request) return nullptr;
-    const std::lock_guard lock(registry().mutex);
-    for (const std::shared_ptr<BuiltProgram>& kept : device.kept_programs()) {
-      if (kept->request == request) return kept;
-    }
-    return nullptr;
-  }
-
-  /// It is among those that are used; the device keeps it, and no longer what was used least recently.
   void enter() {
     const std::lock_guard lock(registry().mutex);
     registry().states.insert(this);
-    if (!built->request) return;
-    std::vector<std::shared_ptr<BuiltProgram>>& kept = device->kept_programs();
-    std::erase(kept, built);
-    kept.push_back(built);
-    if (kept.size() > max_kept) kept.erase(kept.begin());
   }
 
   ~State() {
-    {
-      const std::lock_guard lock(registry().mutex);
-      registry().states.erase(this);
-    }
+    const std::lock_guard lock(registry().mutex);  // others may have the same BuiltProgram, or get it
+    registry().states.erase(this);
     if (built) built->cache_specialized_kernels(*device);
   }
 };
@@ -101,7 +80,7 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   const Stopwatch watch;
   const double before = processor_seconds();
   state_->device = device.shared_from_this();
-  state_->built = State::find_kept(device, request);
+  if (request) state_->built = device.kept_programs().find(*request);
   if (!state_->built) {
     auto built = std::make_shared<BuiltProgram>();
     built->name = spec.name;
@@ -112,6 +91,7 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
     state_->built = std::move(built);
   }
   state_->enter();
+  if (request) device.kept_programs().keep(*request, state_->built);
   state_->build_seconds = watch.seconds();
   device.add_program_seconds(state_->build_seconds);
   all_processor_seconds += processor_seconds() - before;

@@ -35,17 +35,17 @@ struct ProgramSource {
 class Program {
  public:
   Program() = default;
-  /// Shares one of the same source, or compiles, or takes it from the device's cache. Throws Error{device}, first the
-  /// compiler's first error with file and line; the whole log is in details().
+  /// Shares one of the same source, takes one that the device has kept (KeptPrograms) or has in its cache, or compiles.
+  /// Throws Error{device}, first the compiler's first error with file and line; the whole log is in details().
   Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec);
 
   explicit operator bool() const { return state_ != nullptr; }
   const std::string& name() const;
   Device& device() const;
   cl_program handle() const;
-  bool from_cache() const;          ///< whether it came from disk, uncompiled
+  bool from_cache() const;          ///< whether it came from disk, uncompiled, when it was made
   bool declares_built_ins() const;  ///< whether it was built by declarations of its own (built_ins.h)
-  double build_seconds() const;     ///< wall time of compiling or loading
+  double build_seconds() const;     ///< wall time of compiling or loading; next to 0 for a kept one
   /// Whether the driver has no code yet for such launches, which other processes could compile.
   bool lacks_launch_code(const std::string& kernel, const std::array<size_t, 3>& local, bool is_large) const;
   /// For those processes; the first call writes the file. Only where lacks_launch_code().

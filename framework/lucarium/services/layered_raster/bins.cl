@@ -6,7 +6,7 @@
 #define LAYERED_CHUNKS 16u
 #endif
 
-// Runs of elements: `triangles` bounds, then those of `extra` (clipped parts).
+// Runs of elements: the bounds of `triangles` records without gaps, then those of `extra` (clipped parts).
 typedef struct LayeredRun {
   uint first, end;
 } LayeredRun;
@@ -21,7 +21,7 @@ static uint layered_bounds_of(__global const uint* bounds, __global const uint* 
   return i < triangles ? bounds[i] : extra_bounds[i - triangles];
 }
 
-// Whether i begins a block of triangles (of `end`) of which none has bounds: most of those that a view does not see.
+// Whether i begins a block of records (of `end`) of which none has bounds: those behind all that a view sees.
 static bool layered_none_seen(__global const uint* bounds, uint i, uint end) {
   if ((i & 15u) != 0u || i + 16u > end) return false;
   const uint8 none = (uint8)(LAYERED_NO_BOUNDS), first = vload8(0, bounds + i), second = vload8(0, bounds + i + 8u);
@@ -64,7 +64,7 @@ __kernel void layered_sum_bins(__global uint* layered_histogram, uint stride, __
   vstore16(sum, 0, layered_starts + first);
 }
 
-// layered_pairs: triangles of tile t from layered_starts[t] on.
+// layered_pairs: records of tile t from layered_starts[t] on.
 __kernel void layered_fill_bins(__global const uint* layered_bounds, __global const uint* layered_extra_bounds,
                                 __global const uint* layered_clipped, uint triangles,
                                 __global const LayeredView* layered_views, uint layered_view, uint stride,

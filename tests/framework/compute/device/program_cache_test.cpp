@@ -13,6 +13,7 @@
 #include "file_size_limit.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/compute/device/pocl_folder.h"
+#include "lucarium/compute/program/built_program.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/compute/schedule/scheduler.h"
 
@@ -92,26 +93,47 @@ TEST_CASE("a program that nobody has any more stays built on its device, until m
   options.cache_dir = folder.path();
   options.use_cache = false;
   const auto device = Device::open(options);
-  check_results(build(device));
-  REQUIRE(device->kept_programs().size() == 1);
-  const BuiltProgram* const first = device->kept_programs().front().get();
-  for (int i = 0; i < 3; ++i) check_results(build(device));
-  CHECK(device->kept_programs().size() == 1);
-  constexpr size_t most = 64;
-  const auto is_kept = [&] {
-    const auto& kept = device->kept_programs();
-    return std::any_of(kept.begin(), kept.end(), [&](const auto& program) { return program.get() == first; });
-  };
-  for (size_t i = 1; i < most; ++i) build(device, std::to_string(100 + i));
-  CHECK(device->kept_programs().size() == most);
-  CHECK(is_kept());
-  check_results(build(device));  // it is the last used one now
+  KeptPrograms& kept = device->kept_programs();
+  const cl_program first = build(device).handle();
+  for (int i = 0; i < 3; ++i) {
+    const Program again = build(device);
+    CHECK(again.handle() == first);
+    check_results(again);
+  }
+  CHECK(kept.size() == 1);
+  for (size_t i = 1; i < KeptPrograms::max_count; ++i) build(device, std::to_string(100 + i));
+  CHECK(kept.size() == KeptPrograms::max_count);
+  CHECK(build(device).handle() == first);  // it is the last used one now
   build(device, "7");
-  CHECK(is_kept());
-  CHECK(device->kept_programs().size() == most);
-  for (size_t i = 0; i < most; ++i) build(device, std::to_string(200 + i));
-  CHECK(!is_kept());
+  CHECK(kept.size() == KeptPrograms::max_count);
+  CHECK(build(device).handle() == first);
+  kept.clear();
+  CHECK(kept.size() == 0);
   check_results(build(device));
+}
+
+TEST_CASE("a device keeps one program for each request, and the last used ones") {
+  KeptPrograms kept;
+  const auto request = [](size_t i) { return Hasher().add(static_cast<uint64_t>(i)).finish(); };
+  std::vector<std::weak_ptr<BuiltProgram>> programs;
+  const auto keep = [&](size_t i) {
+    const auto program = std::make_shared<BuiltProgram>();
+    programs.push_back(program);
+    kept.keep(request(i), program);
+  };
+  keep(0);
+  keep(0);
+  CHECK(programs[0].expired());
+  CHECK(kept.find(request(0)) == programs[1].lock());
+  CHECK(kept.find(request(1)) == nullptr);
+  for (size_t i = 1; i < KeptPrograms::max_count; ++i) keep(i);
+  kept.keep(request(0), kept.find(request(0)));
+  keep(KeptPrograms::max_count);
+  CHECK(kept.size() == KeptPrograms::max_count);
+  CHECK(kept.find(request(0)) != nullptr);
+  CHECK(kept.find(request(1)) == nullptr);  // used least recently
+  CHECK(kept.find(request(2)) != nullptr);
+  CHECK(programs[2].expired());
 }
 
 TEST_CASE("with the cache off nothing is read or written") {
