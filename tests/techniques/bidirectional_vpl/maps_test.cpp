@@ -78,6 +78,17 @@ TEST_CASE("shadow maps of virtual lights: coarse ones are wrong at edges, fine o
   CHECK(std::abs(fine.bias.mean) < 4 * fine.bias.error + 1e-3);
 }
 
+TEST_CASE("shadow maps of virtual lights: neighbours on a wall do not hide a point; nothing hides anything in a sphere") {
+  const Scene scene = sphere_room(0.6f, {0.5f, 0.3f, -0.2f});
+  for (const char* choice : {"all", "pair"}) {
+    CAPTURE(choice);
+    const Difference found =
+        difference(scene, "indirect", {{"vpl_visibility", "map"}, {"vpl_choice", choice}, {"map_res", "64"}});
+    CHECK(std::abs(found.bias.mean) < 4 * found.bias.error + 1e-3);
+    CHECK(found.pixels < 1e-3);
+  }
+}
+
 TEST_CASE("shadow maps of virtual lights: light leaks below what is nearer than texels are wide, and not with more") {
   // A plate a centimetre above a floor in a grey box, and the middle of the floor below it.
   Scene scene;
