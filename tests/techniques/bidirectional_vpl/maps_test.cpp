@@ -78,7 +78,7 @@ TEST_CASE("shadow maps of virtual lights: coarse ones are wrong at edges, fine o
   CHECK(std::abs(fine.bias.mean) < 4 * fine.bias.error + 1e-3);
 }
 
-TEST_CASE("shadow maps of virtual lights: neighbours on a wall do not hide a point; nothing hides anything in a sphere") {
+TEST_CASE("shadow maps of virtual lights: neighbours on a wall do not hide points of it") {
   const Scene scene = sphere_room(0.6f, {0.5f, 0.3f, -0.2f});
   for (const char* choice : {"all", "pair"}) {
     CAPTURE(choice);
