@@ -2,6 +2,7 @@
 #include "voxel_abuffer/declaration.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,60 @@ constexpr double max_bias = 0.5;
 
 GridSize grid_of(const AbufferParameters& parameters) {
   return choose_grid_size(static_cast<uint32_t>(parameters.abuffer_size), static_cast<uint32_t>(parameters.grid_size));
+}
+
+/// Parameters that were set and that others leave without effect: a line per reason.
+void list_idle_parameters(const AbufferParameters& parameters, std::vector<std::string>& list) {
+  const AbufferParameters usual;
+  const bool abuffer = parameters.structure == Structure::abuffer;
+  const bool grid = abuffer || parameters.structure == Structure::grid;
+  const bool bvh = parameters.structure == Structure::bvh;
+  const bool planes = abuffer && parameters.intersect == Intersect::plane;
+  const bool parity = abuffer && !planes && parameters.intersect != Intersect::exact;
+  const bool whitted = parameters.mode == ModeChoice::whitted, occlusion = parameters.mode == ModeChoice::occlusion;
+  const bool search_is_set = parameters.search != usual.search, axis_is_set = parameters.axis_rule != usual.axis_rule;
+  const bool bisect_is_set = parameters.bisect != usual.bisect, offset_is_set = parameters.offset_h != usual.offset_h;
+  const bool attributes_are_set = parameters.attributes != usual.attributes;
+  const char* const no_abuffer = "there are no A-buffers (structure)";
+  const char* const no_grid = "there is no grid of voxels of its own size (structure)";
+  const char* const no_parity = "no hit is found by parity (intersect)";
+  const char* const no_parity_or_planes = "no hit is found by parity or planes (intersect)";
+  const struct {
+    const char* name;
+    bool is_set, has_effect;
+    const char* reason;
+  } all[] = {
+      {"abuffer_size", parameters.abuffer_size != usual.abuffer_size, !bvh, "the hierarchy has no pixels (structure)"},
+      {"grid_size", parameters.grid_size != usual.grid_size, grid, no_grid},
+      {"intersect", parameters.intersect != usual.intersect, abuffer, no_abuffer},
+      {"search", search_is_set, abuffer, no_abuffer},
+      {"axis_rule", axis_is_set, abuffer, no_abuffer},
+      {"bisect", bisect_is_set, abuffer, no_abuffer},
+      {"offset_h", offset_is_set, abuffer, no_abuffer},
+      {"attributes", attributes_are_set, abuffer, no_abuffer},
+      {"list", parameters.list != usual.list, abuffer, no_abuffer},
+      {"conservative_voxels", !parameters.conservative_voxels, abuffer, no_abuffer},
+      {"static_set", parameters.static_set, abuffer, no_abuffer},
+      {"count_work", parameters.count_work, abuffer, no_abuffer},
+      {"search", search_is_set && abuffer, parity, no_parity},
+      {"bisect", bisect_is_set && abuffer, parity, no_parity},
+      {"offset_h", offset_is_set && abuffer, parity, no_parity},
+      {"bisect", bisect_is_set && parity, search_is_set, "all columns are visited (search)"},
+      {"axis_rule", axis_is_set && abuffer, parity || planes, no_parity_or_planes},
+      {"attributes", attributes_are_set && abuffer, parity || planes, no_parity_or_planes},
+      {"depth", parameters.depth != usual.depth, whitted, "it belongs to mode=whitted"},
+      {"ambient", parameters.ambient != usual.ambient, whitted, "it belongs to mode=whitted"},
+      {"ao_radius", parameters.ao_radius != usual.ao_radius, occlusion, "it belongs to mode=ao"},
+  };
+  std::vector<const char*> names;
+  for (size_t i = 0; i < std::size(all); ++i) {
+    if (all[i].is_set && !all[i].has_effect) names.push_back(all[i].name);
+    if (i + 1 < std::size(all) && all[i + 1].reason == all[i].reason) continue;
+    if (!names.empty())
+      list.push_back(fmt::format("{} {} no effect: {}", fmt::join(names, ", "), names.size() == 1 ? "has" : "have",
+                                 all[i].reason));
+    names.clear();
+  }
 }
 
 }  // namespace
@@ -75,6 +130,7 @@ PathSet path_set(const AbufferParameters& parameters, const RenderSettings& sett
 std::vector<std::string> limitations(const AbufferParameters& parameters, const Scene& scene,
                                      const RenderSettings& settings) {
   std::vector<std::string> list;
+  list_idle_parameters(parameters, list);
   if (parameters.structure == Structure::abuffer && parameters.intersect == Intersect::parity) {
     const uint32_t open = classify(scene, Intersect::parity).open_components;
     if (open > 0)

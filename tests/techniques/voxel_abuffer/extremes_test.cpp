@@ -255,3 +255,32 @@ TEST_CASE("extremes: open components under intersect=parity are a limitation, wi
   CHECK(limitations(cornell, "auto").find("open components") == std::string::npos);
   CHECK(limitations(make_builtin_scene("solids"), "parity").find("open components") == std::string::npos);
 }
+
+TEST_CASE("extremes: parameters that others leave without effect are named, and no others") {
+  const Scene scene = make_builtin_scene("solids");
+  const auto idle = [&](const Parameters& parameters) {
+    RenderSettings settings;
+    settings.camera = scene.cameras.front();
+    const std::unique_ptr<Technique> technique = registry().find("voxel_abuffer").create();
+    for (const auto& [name, value] : parameters) technique->parameters().set(name, value);
+    std::string all;
+    for (const std::string& line : technique->limitations(scene, settings))
+      if (line.find(" no effect: ") != std::string::npos) all += line + "\n";
+    return all;
+  };
+  CHECK(idle({}).empty());
+  CHECK(idle({{"preset", "paper"}, {"bisect", "8"}, {"static_set", "on"}}).empty());
+  CHECK(idle({{"intersect", "plane"}, {"attributes", "pixel"}, {"axis_rule", "average"}}).empty());
+  CHECK(idle({{"structure", "grid"}, {"grid_size", "64"}, {"mode", "ao"}, {"ao_radius", "2"}}).empty());
+  CHECK(idle({{"mode", "whitted"}, {"depth", "5"}, {"ambient", "1"}}).empty());
+  CHECK(idle({{"search", "3"}}) == "search has no effect: no hit is found by parity (intersect)\n");
+  CHECK(idle({{"intersect", "auto"}, {"bisect", "8"}}) == "bisect has no effect: all columns are visited (search)\n");
+  CHECK(idle({{"attributes", "stored"}, {"axis_rule", "average"}}) ==
+        "axis_rule, attributes have no effect: no hit is found by parity or planes (intersect)\n");
+  CHECK(idle({{"structure", "octree"}, {"intersect", "parity"}, {"search", "1"}}) ==
+        "intersect, search have no effect: there are no A-buffers (structure)\n");
+  CHECK(idle({{"structure", "bvh"}, {"abuffer_size", "256"}}) ==
+        "abuffer_size has no effect: the hierarchy has no pixels (structure)\n");
+  CHECK(idle({{"ambient", "1"}, {"ao_radius", "2"}}) ==
+        "ambient has no effect: it belongs to mode=whitted\nao_radius has no effect: it belongs to mode=ao\n");
+}
