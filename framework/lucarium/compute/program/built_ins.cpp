@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <set>
-#include <unordered_set>
 #include <vector>
 
 #include "lucarium/compute/device/device.h"
+#include "lucarium/compute/program/identifiers.h"
 
 namespace lucarium {
 namespace {
@@ -218,18 +217,6 @@ bool is_unknown(std::string_view name) {
   return std::any_of(unknown.begin(), unknown.end(), [&](std::string_view each) {
     return each.ends_with('*') ? name.starts_with(each.substr(0, each.size() - 1)) : name == each;
   });
-}
-
-std::unordered_set<std::string_view> identifiers_of(std::string_view source) {
-  std::unordered_set<std::string_view> found;
-  const auto is_part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
-  for (size_t at = 0; at < source.size();) {
-    const size_t first = at;
-    while (at < source.size() && is_part(source[at])) ++at;
-    if (at > first) found.insert(source.substr(first, at - first));
-    if (at == first) ++at;
-  }
-  return found;
 }
 
 }  // namespace

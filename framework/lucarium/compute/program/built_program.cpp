@@ -8,6 +8,7 @@
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"
 #include "lucarium/compute/program/built_ins.h"
+#include "lucarium/compute/program/identifiers.h"
 #include "lucarium/compute/program/kernel_reflection.h"
 #include "lucarium/compute/program/line_names.h"
 #include "lucarium/compute/program/pocl_files.h"
@@ -16,7 +17,8 @@ namespace lucarium {
 namespace {
 
 /// Defines stand in the source and not on the driver's command line, so that any value is passed on untouched.
-std::string preamble(const ProgramSpec& spec) {
+/// Those that nothing names are left out: what differs only by them is one program.
+std::string preamble(const ProgramSpec& spec, const std::string& sources) {
   std::string text = fmt::format("#line 1 \"<defines of {}>\"\n", spec.name);
   // clang warns of every 64-byte vector that a function takes or returns on a processor without AVX-512, and PoCL has
   // it print how often. All of a program is compiled for the same processor, so that nothing disagrees.
@@ -29,6 +31,8 @@ std::string preamble(const ProgramSpec& spec) {
     if (value.find('\n') != std::string::npos) {
       throw_error(ErrorClass::internal, "program {}: the value of define {} has a line break", spec.name, name);
     }
+  }
+  for (const auto& [name, value] : named_defines(spec.defines, sources)) {
     text += fmt::format("#define {} {}\n", name, value.empty() ? "1" : value);
   }
   return text;
@@ -121,7 +125,7 @@ bool has_driver_files(const Device& device) { return device.info().is_pocl && dr
 }  // namespace
 
 ProgramText program_text(const ProgramSpec& spec, const std::string& sources) {
-  return {preamble(spec) + sources, build_options(spec)};
+  return {preamble(spec, sources) + sources, build_options(spec)};
 }
 
 void BuiltProgram::make(Device& device, const ProgramSpec& spec, const ProgramText& whole) {

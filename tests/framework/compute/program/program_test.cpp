@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "compute_fixture.h"
+#include "lucarium/compute/program/built_program.h"
+#include "lucarium/compute/program/identifiers.h"
 #include "lucarium/compute/program/source_library.h"
 
 using namespace lucarium;
@@ -89,6 +91,20 @@ TEST_CASE("defines pass any value, and an empty one is 1") {
             {{"FLAG", ""}, {"SUM(a, b)", "((a) + (b))"}, {"TEXT", "\"a b 'c' d\""}});
   CHECK(launch(program, "k", 1, 1) == std::vector<uint32_t>{6});
   CHECK(error_of([] { build("", {{"A", "1\n2"}}); }).error_class() == ErrorClass::internal);
+}
+
+TEST_CASE("what differs by defines that its sources do not name is one program") {
+  const std::map<std::string, std::string> all = {{"BOTH", "1"}, {"OF_OTHER(x)", "x"}, {"OTHER", "OF_OTHER(2)"}};
+  const auto text = [](const std::string& sources, const std::map<std::string, std::string>& defines) {
+    return program_text({"probe", {}, defines}, sources).source;
+  };
+  CHECK(named_defines(all, "int a = BOTH2 + MY_BOTH;").size() == 1);  // the value of OTHER names OF_OTHER
+  CHECK(named_defines(all, "int a = OTHER;").size() == 2);
+  CHECK(named_defines(all, "#ifdef BOTH\nint a = OTHER;\n#endif") == all);
+  CHECK(named_defines({{"USE_GRID", ""}}, "#define USE(x) USE_##x\nint a = USE(GRID);").size() == 1);
+  CHECK(named_defines({{"USE_GRID", ""}}, "#define USE(x) USE_##x\nint a = USE(GRIDS);").empty());
+  CHECK(text("int a;", {{"A", "1"}}) == text("int a;", {}));
+  CHECK(text("int a = A;", {{"A", "1"}}) != text("int a = A;", {{"A", "2"}}));
 }
 
 TEST_CASE("without mad_enable products and sums round one by one") {
