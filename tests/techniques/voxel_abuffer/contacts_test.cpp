@@ -98,17 +98,20 @@ TEST_CASE("contacts: rays that pass within a pixel of an edge meet nothing there
                                  : 0.5f * glm::vec3(along, 1.1f + along, 1);  // between two triangles of its front
       rays.push_back(make_ray(eye, glm::normalize(edge + pixel * random.in_cube(1) - eye)));
     }
-    const std::vector<Hit> right = rig.trace(bvh, rays).hits, found = rig.trace(structure, rays).hits;
-    uint32_t past = 0, invented = 0, missed = 0;
+    const AbufferRig::Results right = rig.trace(bvh, rays), found = rig.trace(structure, rays);
+    uint32_t past = 0, invented = 0, shaded = 0, missed = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
-      const bool hit = right[i].triangle != LUCARIUM_NO_HIT, told = found[i].triangle != LUCARIUM_NO_HIT;
+      const bool hit = right.hits[i].triangle != LUCARIUM_NO_HIT, told = found.hits[i].triangle != LUCARIUM_NO_HIT;
       past += !hit;
       invented += !hit && told;
-      if (i % 3 == 2) missed += !(std::fabs(right[i].distance - found[i].distance) <= 4 * pixel);
+      shaded += !hit && found.occluded[i];
+      if (i % 3 == 2) missed += !(std::fabs(right.hits[i].distance - found.hits[i].distance) <= 4 * pixel);
     }
-    MESSAGE(invented, " of ", past, " that meet nothing; ", missed, " between triangles missed");
+    MESSAGE(invented, " of ", past, " that meet nothing, ", shaded, " as shadow rays; ", missed,
+            " between triangles missed");
     CHECK(past > 5000);
     CHECK(invented <= past / 500);
+    CHECK(shaded <= past / 500);
     CHECK(missed <= rays.size() / 1000);
   }
 }
@@ -140,12 +143,15 @@ TEST_CASE("contacts: rays from within half a pixel of another solid meet it, or 
   CHECK(wrong <= 4);
   // To points of the walls: free where the way leads off the box.
   for (Ray& ray : rays.rays) ray.direction.w = 0.5f;
-  const std::vector<uint32_t> free = rig.trace(bvh, rays.rays).occluded,
-                              told = rig.trace(structure, rays.rays, rays.ends).occluded;
-  uint32_t unlike = 0;
-  for (size_t i = 0; i < free.size(); ++i) unlike += free[i] != told[i];
-  MESSAGE(unlike, " of them wrong");
-  CHECK(unlike <= 200);
+  const std::vector<uint32_t> free = rig.trace(bvh, rays.rays).occluded;
+  for (const Search search : {Search::columns, Search::three_steps}) {
+    const VoxelAbuffer of_search = rig.make({.abuffer_size = 320, .intersect = Intersect::parity, .search = search});
+    const std::vector<uint32_t> told = rig.trace(of_search, rays.rays, rays.ends).occluded;
+    uint32_t unlike = 0;
+    for (size_t i = 0; i < free.size(); ++i) unlike += free[i] != told[i];
+    MESSAGE(unlike, " of them wrong");
+    CHECK(unlike <= 200);
+  }
 }
 
 TEST_CASE("contacts: rays that begin in the edge of a room meet its other wall") {
