@@ -34,7 +34,7 @@ double estimate_seconds(const BundlePlan& plan, const Parameters& parameters, co
   if (settings.max_bounces != 0 || parameters.direct_mode == DirectMode::exchange) {
     const double area = double{parameters.pixel_size} * parameters.pixel_size;
     const double rays = SideAccessibility::bundles(parameters.pixel_size, parameters.access_rays) / area;
-    const double accessibility = parameters.access_gap > 0 ? rays * kAccessibilitySeconds : 0;
+    const double accessibility = parameters.access_gap != 0 ? rays * kAccessibilitySeconds : 0;
     const double light = parameters.direct_mode == DirectMode::nee ? kSideLightSeconds : 0;
     const double directions = std::min(static_cast<double>(direction_limit(parameters)), kFirstDirections);
     device += texels * (kHiddenSeconds + accessibility + light) +

@@ -23,7 +23,7 @@ struct Parameters {
   int dir_levels = 0;
   int texels = 0;
   float pixel_size = 0.5f;
-  float access_gap = 2;
+  float access_gap = -1;
   int access_rays = 256;
   Supersample supersample = Supersample::automatic;
   int perturb = 1;
@@ -58,13 +58,15 @@ struct Parameters {
              "halvings of dir_n, at most, for rough surfaces whose lobes are as wide as the spacing of directions then "
              "is: a quarter of the cells each");
     v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
-             "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
+             "target size of the surface atlas; 0: eight per pixel, or one for four triangles if that is more; "
+             "at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",
              "maximum edge length of a pixel of a subfield, with supersample=auto");
     v.number(
-        "access_gap", access_gap, 0.f, 16.f, "texel edges",
+        "access_gap", access_gap, -1.f, 16.f, "texel edges",
         "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility, and "
-        "within which parts under glass keep their light apart; 0: neither");
+        "within which parts under glass keep their light apart; 0: neither; -1: 8, but no more than a tenth of the "
+        "scene's diameter and no less than 2");
     v.number("access_rays", access_rays, 128, 4096, "rays", "rays per texel that measure its accessibility");
     v.choice("supersample", supersample,
              {{"auto", Supersample::automatic},

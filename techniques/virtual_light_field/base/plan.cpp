@@ -31,8 +31,9 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
   Plan plan;
   plan.atlas.samples = SIDE_POINTS;
   plan.atlas.remedy = remedies::lower_texels;
-  const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 32768, 262144);
-  plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
+  plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels)
+                                                 : suitable_texels(uint64_t{settings.width} * settings.height,
+                                                                   static_cast<uint64_t>(scene.triangle_count()));
   const bool samples = parameters.eye_direct == EyeDirect::samples, punctual = !scene.lights.empty();
   plan.max_bounces = settings.max_bounces;
   const bool surfaces = SurfaceAtlas::estimate_edge(scene, plan.atlas) > 0;

@@ -5,6 +5,8 @@
 // that light of fewer bounces cancels. Bounces at mirrors count on the light's side; those before the eye are free.
 #include <doctest/doctest.h>
 
+#include <utility>
+
 #include "field_rig.h"
 #include "lucarium/technique/state_file.h"
 #include "technique_rig.h"
@@ -69,6 +71,21 @@ TEST_CASE("each number of bounces alone brings path_tracing's light: a mirror") 
 
 TEST_CASE("each number of bounces alone brings path_tracing's light: spheres of glass, metal and weak coats") {
   compare("builtin:spheres", test::full_run() ? 3 : 1, field(8, 48, 8192));
+}
+
+TEST_CASE("a scene of much more detail than texels is as bright as it should be") {
+  if (!test::full_run()) return;  // a minute of preparation
+  const auto light = [](const std::string& technique, uint64_t samples, const Options& options) {
+    const auto run = test::session(load_scene("builtin:atrium"), -1, options, technique);
+    run->finish_light();
+    run->run({.samples = samples});
+    return std::pair(test::mean(run->resolve().find("direct")->pixels), test::mean(test::indirect(*run)));
+  };
+  const auto [direct, expected] = light("path_tracing", 16384, {{"samples_per_iteration", "64"}});
+  const auto [found_direct, found] = light("virtual_light_field", 256, {{"camera_samples", "100000"}});
+  MESSAGE("indirect light: ", found / expected - 1);
+  CHECK(found_direct == relative(direct, 0.01));
+  CHECK(direct + found == relative(direct + expected, 0.03));
 }
 
 TEST_CASE("the field's totals are those of bundle_exchange, wall by wall") {

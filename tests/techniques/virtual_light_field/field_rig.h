@@ -141,14 +141,20 @@ class FieldRig {
   std::vector<double> direct() const { return red(field_->shown_direct()); }
   std::vector<double> indirect() const { return red(field_->shown()); }
 
-  /// Mean by area of the texel sides of an instance.
+  /// Mean by area of the texel sides of an instance; of two halves by what each of them counts.
   double mean(const std::vector<double>& values, int instance) const {
     const std::vector<AtlasTexel> texels = surfaces_.atlas.texels().download();
     const std::vector<Triangle> triangles = buffers_.scene_triangles.download();
+    const std::vector<float> shares = surfaces_.accessibility.shares().download();
     double sum = 0, area = 0;
     for (uint32_t side = 0; side < sides(); ++side) {
       if (triangles[texels[side].triangle].instance != static_cast<uint32_t>(instance)) continue;
-      sum += static_cast<double>(texels[side].area) * values[side];
+      double value = values[side];
+      if (values.size() > sides()) {
+        const auto open = static_cast<double>(shares[side]), covered = static_cast<double>(shares[sides() + side]);
+        if (open + covered > 0) value = (open * value + covered * values[sides() + side]) / (open + covered);
+      }
+      sum += static_cast<double>(texels[side].area) * value;
       area += static_cast<double>(texels[side].area);
     }
     return sum / area;

@@ -47,7 +47,7 @@ SideAccessibility::SideAccessibility(Device& device, const SceneBuffers& buffers
       owner_(owner),
       remedy_(remedy),
       sides_(atlas.info().texel_count),
-      halves_(options.access_gap > 0 ? options.halves : 1),
+      halves_(options.access_gap != 0 ? options.halves : 1),
       shares_(device, owner_, "accessibility of texel sides", size_t{halves_} * sides_, remedy_),
       parts_(device, owner_, "accessibility of texel sides' parts", size_t{sides_} * SIDE_PART_WORDS, remedy_),
       covered_(device, owner_, "covered parts of texel sides",
@@ -67,6 +67,10 @@ double SideAccessibility::bundles(float pixel_size, int rays) {
   return std::clamp(std::ceil(double{pixel_size} * pixel_size * rays), kMinBundles, kMaxBundles);
 }
 
+float SideAccessibility::automatic_gap(double diameter, float texel_edge) {
+  return static_cast<float>(std::clamp(0.1 * diameter / std::max(double{texel_edge}, 1e-30), 2.0, 8.0));
+}
+
 void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const Scene& scene,
                               const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& interior,
                               const LayeredRaster& raster) {
@@ -78,7 +82,7 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   probes.pixel = safe_pixel_;
   // About two rays per part by default: of few, the mean is right too.
   probes.count = static_cast<uint64_t>(bundles(options_.pixel_size, options_.rays));
-  probes.only_hidden = options_.access_gap <= 0;
+  probes.only_hidden = options_.access_gap == 0;
   probes.hidden = interior.hidden();
   probes.counts = TypedBuffer<uint32_t>(device, owner_, "probes of texel sides", size_t{sides} * SIDE_PARTS, remedy_);
   probes.counts.fill_zero();
@@ -90,6 +94,10 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   }
   probes.views = TypedBuffer<LayeredView>(device, owner_, "view of a probe", 1);
   probes.ends = TypedBuffer<float4>(device, owner_, "ends of rays", 2);
+
+  const float gap = options_.access_gap < 0
+                        ? automatic_gap(2.0 * static_cast<double>(probes.bounds.radius()), atlas.info().texel_edge)
+                        : options_.access_gap;
 
   ScheduleRecorder begin = scheduler.record("begin accessibility", owner_);
   probes.view = begin.variable("view", LayeredView{});
@@ -104,12 +112,12 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   std::map<std::string, std::string> probe_defines = raster.defines();
   probe_defines.insert(defines.begin(), defines.end());
   const Program probe = make_program(device, "probe_pairs", probe_defines);
-  raster.record_tiles(
-      draw, "probe", {probes.views, draw.variable("view index", 0u)}, probe, "probe_pairs", [&](PassBuilder& rows) {
-        atlas.bind(rows);
-        rows.arg("access_gap", options_.access_gap * atlas.info().texel_edge).arg("counts", probes.counts);
-        if (halves_ > 1) rows.arg("glass", probes.glass);
-      });
+  raster.record_tiles(draw, "probe", {probes.views, draw.variable("view index", 0u)}, probe, "probe_pairs",
+                      [&](PassBuilder& rows) {
+                        atlas.bind(rows);
+                        rows.arg("access_gap", gap * atlas.info().texel_edge).arg("counts", probes.counts);
+                        if (halves_ > 1) rows.arg("glass", probes.glass);
+                      });
   probes.draw = draw.compile();
 
   ScheduleRecorder sum = scheduler.record("accessibility of parts", owner_);

@@ -41,12 +41,15 @@ class SideAccessibility {
  public:
   struct Options {
     float pixel_size = 0.5f;  ///< edge of a bundle pixel in texel edges
-    float access_gap = 2;     ///< in texel edges; 0: all rays are open
+    float access_gap = -1;    ///< in texel edges; 0: all rays are open; below 0: automatic_gap()
     int rays = 256;           ///< of a texel that faces all directions
     uint32_t halves = 1;      ///< of each texel side, with `access_gap`: SideHalves::per_side()
   };
   /// Bundles that give a texel which faces all directions so many rays, within what is sensible.
   static double bundles(float pixel_size, int rays);
+  /// In texel edges: 8, but no more than a tenth of the scene's diameter, where next to no ray goes farther, and no
+  /// less than 2.
+  static float automatic_gap(double diameter, float texel_edge);
   /// `owner` pays for the memory; `remedy` is what a message about too little of it advises. All must outlive this.
   SideAccessibility(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const Options& options,
                     const std::string& owner, const std::string& remedy);
@@ -58,7 +61,7 @@ class SideAccessibility {
   /// When `interior` is complete: draws the next bundle; false when cancelled, and nothing has changed. Without a gap
   /// only hidden parts are looked for, and no bundle is drawn where there are none.
   bool advance();
-  const char* measured() const { return options_.access_gap > 0 ? "accessibility" : "extent of hidden places"; }
+  const char* measured() const { return options_.access_gap != 0 ? "accessibility" : "extent of hidden places"; }
   double progress() const;  ///< share of the bundles that are drawn [1]
   bool complete() const { return complete_; }
 

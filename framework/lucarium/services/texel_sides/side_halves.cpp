@@ -14,7 +14,7 @@ std::map<std::string, std::string> SideHalves::defines() const {
 uint32_t SideHalves::per_side(const Scene& scene, float access_gap) {
   const bool glass = std::any_of(scene.materials.begin(), scene.materials.end(),
                                  [](const SceneMaterial& m) { return m.transmission > 0; });
-  return glass && access_gap > 0 ? 2 : 1;
+  return glass && access_gap != 0 ? 2 : 1;
 }
 
 }  // namespace lucarium

@@ -4,6 +4,7 @@
 
 #include "context.h"
 #include "lucarium/scene/builtin/builder.h"
+#include "lucarium/services/surface_atlas/most_texels.h"
 #include "support.h"
 
 using namespace lucarium;
@@ -75,4 +76,13 @@ TEST_CASE("slivers that touch nothing take no more memory than was estimated") {
     CHECK(report.sides <= SurfaceAtlas::estimate_sides(scene, context.options));
     CHECK(report.bytes <= SurfaceAtlas::estimate_bytes(scene, context.options));
   }
+}
+
+TEST_CASE("techniques take eight texels per pixel, or as many as the scene's detail asks for") {
+  CHECK(suitable_texels(64 * 36, 12) == 32768);
+  CHECK(suitable_texels(160 * 90, 12) == 115200);
+  CHECK(suitable_texels(160 * 90, 313820) == 115200);
+  CHECK(suitable_texels(64 * 36, 313820) == 78455);
+  CHECK(suitable_texels(1280 * 720, 12) == 262144);
+  CHECK(suitable_texels(64 * 36, 10'000'000) == 262144);
 }

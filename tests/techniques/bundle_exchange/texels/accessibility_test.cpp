@@ -127,3 +127,10 @@ TEST_CASE("rays that soon meet a back say nothing of how accessible a place is")
   MESSAGE(beside, " texels, the lid ", double{h} / rig.texel_edge(), " edges above them");
   CHECK(beside > 5);
 }
+
+TEST_CASE("the gap of accessibility grows with the scene, from two to eight edges of texels") {
+  CHECK(SideAccessibility::automatic_gap(1, 0.02f) == test::relative(5, 1e-6));
+  CHECK(SideAccessibility::automatic_gap(1, 0.2f) == 2);
+  CHECK(SideAccessibility::automatic_gap(30, 0.02f) == 8);
+  CHECK(SideAccessibility::automatic_gap(0, 0) == 2);
+}
