@@ -52,9 +52,9 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
   plan.atlas.samples = SIDE_POINTS;
   plan.atlas.remedy = remedies::lower_texels;
-  plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels)
-                                                 : suitable_texels(uint64_t{settings.width} * settings.height,
-                                                                   static_cast<uint64_t>(scene.triangle_count()));
+  plan.atlas.texel_count = parameters.texels > 0
+                               ? static_cast<uint64_t>(parameters.texels)
+                               : suitable_texels(uint64_t{settings.width} * settings.height, scene.triangle_count());
   // Direct light needs no lobes of texel sides: they begin behind the first scattering.
   plan.reflects = specular && settings.max_bounces != 0 && parameters.glossy_bounces == GlossyBounces::multiple;
   plan.exchanges = exchanges(parameters, settings);

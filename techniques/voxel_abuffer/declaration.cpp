@@ -42,6 +42,7 @@ void list_idle_parameters(const AbufferParameters& parameters, std::vector<std::
   const char* const no_grid = "there is no grid of voxels of its own size (structure)";
   const char* const no_parity = "no hit is found by parity (intersect)";
   const char* const no_parity_or_planes = "no hit is found by parity or planes (intersect)";
+  const char* const of_whitted = "it belongs to mode=whitted";
   const struct {
     const char* name;
     bool is_set, has_effect;
@@ -65,8 +66,8 @@ void list_idle_parameters(const AbufferParameters& parameters, std::vector<std::
       {"bisect", bisect_is_set && parity, search_is_set, "all columns are visited (search)"},
       {"axis_rule", axis_is_set && abuffer, parity || planes, no_parity_or_planes},
       {"attributes", attributes_are_set && abuffer, parity || planes, no_parity_or_planes},
-      {"depth", parameters.depth != usual.depth, whitted, "it belongs to mode=whitted"},
-      {"ambient", parameters.ambient != usual.ambient, whitted, "it belongs to mode=whitted"},
+      {"depth", parameters.depth != usual.depth, whitted, of_whitted},
+      {"ambient", parameters.ambient != usual.ambient, whitted, of_whitted},
       {"ao_radius", parameters.ao_radius != usual.ao_radius, occlusion, "it belongs to mode=ao"},
   };
   std::vector<const char*> names;

@@ -46,7 +46,8 @@
 //   section 3.2, figure 4, three-step        search/parity_steps.clh: abuffer_cross_points() (search=3): linear
 //                                            search, then binary search between P_k-1 and P_k
 //   section 3.2, figure 5, one-step          search/parity_steps.clh: abuffer_cross_points() (search=1)
-//   section 3.2, shadow rays                 search/parity_hit.clh: abuffer_must_look() (no binary search)
+//   section 3.2, shadow rays                 search/parity_hit.clh: abuffer_must_look() (no binary search,
+//                                            and of search=3 and 1 no triangle)
 //   section 4, deferred shading              modes/primary_raster.cpp: rasterize() (primary=raster)
 //   section 4, ray casting, multi-layer      modes/shade_tree_rays.cl: shade_tree_rays() (mode=cast)
 //   section 4, Whitted, its rays             reflection rays, refraction rays: modes/shade_tree_rays.cl:

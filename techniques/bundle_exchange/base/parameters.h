@@ -76,11 +76,9 @@ struct Parameters {
              "target size of the surface atlas; 0: eight per pixel, or one for four triangles if that is more; "
              "at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge length of a pixel of the bundle image");
-    v.number(
-        "access_gap", access_gap, -1.f, 16.f, "texel edges",
-        "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility, and "
-        "within which parts under glass keep their light apart; 0: neither; -1: 8, but no more than a tenth of the "
-        "scene's diameter and no less than 2");
+    v.number("access_gap", access_gap, -1.f, 16.f, "texel edges",
+             "rays that go farther count as free, which weights parts of texels, and those below glass are kept apart; "
+             "0: neither; -1: 8, up to a tenth of the scene");
     v.number("access_rays", access_rays, 128, 4096, "rays",
              "rays per texel that measure its accessibility, from at least 32 bundles");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},

@@ -31,9 +31,9 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
   Plan plan;
   plan.atlas.samples = SIDE_POINTS;
   plan.atlas.remedy = remedies::lower_texels;
-  plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels)
-                                                 : suitable_texels(uint64_t{settings.width} * settings.height,
-                                                                   static_cast<uint64_t>(scene.triangle_count()));
+  plan.atlas.texel_count = parameters.texels > 0
+                               ? static_cast<uint64_t>(parameters.texels)
+                               : suitable_texels(uint64_t{settings.width} * settings.height, scene.triangle_count());
   const bool samples = parameters.eye_direct == EyeDirect::samples, punctual = !scene.lights.empty();
   plan.max_bounces = settings.max_bounces;
   const bool surfaces = SurfaceAtlas::estimate_edge(scene, plan.atlas) > 0;

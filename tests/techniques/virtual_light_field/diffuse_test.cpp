@@ -63,7 +63,7 @@ std::vector<double> lower_half(const test::FieldRig& rig) {
 }  // namespace
 
 TEST_CASE("in a closed box of radiance 1 every texel side holds exactly that, whatever the directions") {
-  for (const float gap : {0.f, 2.f}) {
+  for (const float gap : {-1.f, 0.f, 2.f, 8.f}) {
     CAPTURE(gap);
     vlf::Parameters parameters = exchanged(4, 32, 1536);
     parameters.access_gap = gap;

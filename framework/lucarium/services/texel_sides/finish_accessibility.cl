@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accessibility of the parts of texel sides: the share of their rays that go farther than the neighbouring texels. Rays
-// that hit backs are ignored, since most of them begin in interior places (texel_interior.h); a part that has no other
+// Accessibility of the parts of texel sides: the share of their rays that go farther than the gap. Rays that hit backs
+// are ignored, since most of them begin in interior places (texel_interior.h); a part that has no other
 // rays is hidden.
 #include "lucarium/random.clh"
 #include "lucarium/services/texel_sides/side_parts.clh"
@@ -9,10 +9,13 @@
 
 #define SURELY_HIDDEN 6u  // rays to backs that prove it although no point of the texel side is hidden
 
-// Of 0 to SIDE_MAX_LEVEL, at random one of the two about `accessible` [1], so that the mean is right.
-uint dithered_level(float accessible, uint side, uint part) {
-  const float random = uint_to_unit(hash_uint3(side, part, 0x6f70656eu));
-  return min((uint)(accessible * (float)SIDE_MAX_LEVEL + random), SIDE_MAX_LEVEL);
+// Of 0 to SIDE_MAX_LEVEL, one of the two about `accessible` [1]: sums over a texel side's parts, one after another, are
+// right within 1, and means over texel sides are, since `sum` begins at random. So some part counts, unless hardly any
+// ray goes far.
+uint dithered_level(float accessible, float* sum) {
+  const float before = *sum;
+  *sum += accessible * (float)SIDE_MAX_LEVEL;
+  return min((uint)*sum - (uint)before, SIDE_MAX_LEVEL);
 }
 
 #ifdef SIDE_HALVES
@@ -79,24 +82,27 @@ __kernel void finish_accessibility(uint sides, FINISH_GLASS_PARAMETERS AtlasInfo
   const float mean = closed ? 1.0f : 1.0f - (float)near / (float)(rays - backs), counted = interior[side].y;
   const bool partly = interior[side].x < 1.0f;  // some of it is hidden
   // Find how accessible each part is: of its rays that meet no backs, the share that goes far; the texel side's mean
-  // without any.
+  // without any. Where no part counts then, all that are not hidden count a little: light must not get lost.
   float total = 0.0f, under = 0.0f;  // of them those of the covered half
-  for (uint word = 0u; word < SIDE_PART_WORDS; ++word) {
-    uint levels = 0u;
-    for (uint part = 16u * word; part < 16u * (word + 1u); ++part) {
-      const uint all = PROBE_RAYS(own[part]) - PROBE_BACKS(own[part]);
-      const uint lost = PROBE_BACKS(own[part]);
-      float accessible = closed || all == 0u ? mean : 1.0f - (float)PROBE_NEAR(own[part]) / (float)all;
-      if (all == 0u && lost > 0u && (partly || lost >= SURELY_HIDDEN)) accessible = 0.0f;
-      const uint level = dithered_level(accessible, side, part);
-      levels |= level << 2u * (part & 15u);
-      const float rays_count = (float)level * ((float)all + counted * (float)lost);
-      total += rays_count;
+  for (uint least = 0u; least < 2u && !(total > 0.0f); ++least) {
+    float sum = uint_to_unit(hash_uint3(side, 0u, 0x6f70656eu));
+    for (uint word = 0u; word < SIDE_PART_WORDS; ++word) {
+      uint levels = 0u;
+      for (uint part = 16u * word; part < 16u * (word + 1u); ++part) {
+        const uint all = PROBE_RAYS(own[part]) - PROBE_BACKS(own[part]);
+        const uint lost = PROBE_BACKS(own[part]);
+        const bool is_hidden = all == 0u && lost > 0u && (partly || lost >= SURELY_HIDDEN);
+        const float accessible = closed || all == 0u ? mean : 1.0f - (float)PROBE_NEAR(own[part]) / (float)all;
+        const uint level = is_hidden ? 0u : max(dithered_level(accessible, &sum), least);
+        levels |= level << 2u * (part & 15u);
+        const float rays_count = (float)level * ((float)all + counted * (float)lost);
+        total += rays_count;
 #ifdef SIDE_HALVES
-      if (part_covered(covered, side, part)) under += rays_count;
+        if (part_covered(covered, side, part)) under += rays_count;
 #endif
+      }
+      accessibility[(size_t)side * SIDE_PART_WORDS + word] = levels;
     }
-    accessibility[(size_t)side * SIDE_PART_WORDS + word] = levels;
   }
   // Texel sides that no ray has met are too small to matter.
   share[side] = rays > 0u ? (total - under) / (float)(SIDE_MAX_LEVEL * rays) : interior[side].x;
