@@ -9,13 +9,10 @@
 
 #define SURELY_HIDDEN 6u  // rays to backs that prove it although no point of the texel side is hidden
 
-// Of 0 to SIDE_MAX_LEVEL, one of the two about `accessible` [1]: sums over a texel side's parts, one after another, are
-// right within 1, and means over texel sides are, since `sum` begins at random. So some part counts, unless hardly any
-// ray goes far.
-uint dithered_level(float accessible, float* sum) {
-  const float before = *sum;
-  *sum += accessible * (float)SIDE_MAX_LEVEL;
-  return min((uint)*sum - (uint)before, SIDE_MAX_LEVEL);
+// Of 0 to SIDE_MAX_LEVEL, at random one of the two about `accessible` [1], so that the mean is right.
+uint dithered_level(float accessible, uint side, uint part) {
+  const float random = uint_to_unit(hash_uint3(side, part, 0x6f70656eu));
+  return min((uint)(accessible * (float)SIDE_MAX_LEVEL + random), SIDE_MAX_LEVEL);
 }
 
 #ifdef SIDE_HALVES
@@ -85,7 +82,6 @@ __kernel void finish_accessibility(uint sides, FINISH_GLASS_PARAMETERS AtlasInfo
   // without any. Where no part counts then, all that are not hidden count a little: light must not get lost.
   float total = 0.0f, under = 0.0f;  // of them those of the covered half
   for (uint least = 0u; least < 2u && !(total > 0.0f); ++least) {
-    float sum = uint_to_unit(hash_uint3(side, 0u, 0x6f70656eu));
     for (uint word = 0u; word < SIDE_PART_WORDS; ++word) {
       uint levels = 0u;
       for (uint part = 16u * word; part < 16u * (word + 1u); ++part) {
@@ -93,7 +89,7 @@ __kernel void finish_accessibility(uint sides, FINISH_GLASS_PARAMETERS AtlasInfo
         const uint lost = PROBE_BACKS(own[part]);
         const bool is_hidden = all == 0u && lost > 0u && (partly || lost >= SURELY_HIDDEN);
         const float accessible = closed || all == 0u ? mean : 1.0f - (float)PROBE_NEAR(own[part]) / (float)all;
-        const uint level = is_hidden ? 0u : max(dithered_level(accessible, &sum), least);
+        const uint level = is_hidden ? 0u : max(dithered_level(accessible, side, part), least);
         levels |= level << 2u * (part & 15u);
         const float rays_count = (float)level * ((float)all + counted * (float)lost);
         total += rays_count;
