@@ -16,6 +16,9 @@ namespace {
 
 constexpr uint32_t kMaxCells = 1u << BUNDLE_PART;
 constexpr double kMinBundles = 32, kMaxBundles = 1024;
+// Of light below glass, with automatic_gap(): farther off its edge is blurred, and covered parts take rays from open
+// ones.
+constexpr float kGlassGap = 2;
 constexpr uint64_t kSeed = 0x6f70656e;  // not that of a run, whose directions then are others
 
 Program make_program(Device& device, const std::string& kernel, std::map<std::string, std::string> defines) {
@@ -98,6 +101,7 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   const float gap = options_.access_gap < 0
                         ? automatic_gap(2.0 * static_cast<double>(probes.bounds.radius()), atlas.info().texel_edge)
                         : options_.access_gap;
+  const float glass_gap = options_.access_gap < 0 ? kGlassGap : gap;
 
   ScheduleRecorder begin = scheduler.record("begin accessibility", owner_);
   probes.view = begin.variable("view", LayeredView{});
@@ -116,7 +120,8 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
                       [&](PassBuilder& rows) {
                         atlas.bind(rows);
                         rows.arg("access_gap", gap * atlas.info().texel_edge).arg("counts", probes.counts);
-                        if (halves_ > 1) rows.arg("glass", probes.glass);
+                        if (halves_ > 1)
+                          rows.arg("glass", probes.glass).arg("glass_gap", glass_gap * atlas.info().texel_edge);
                       });
   probes.draw = draw.compile();
 

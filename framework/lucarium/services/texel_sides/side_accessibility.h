@@ -32,8 +32,9 @@ namespace lucarium {
 /// With two `halves`, surfaces that transmit occlude nothing: what is close under glass is seen through it. But the
 /// light below glass often ends at a sharp edge, with the shadow of the lamp beside it, and only one of them is seen at
 /// a time. Texel sides therefore have two halves then, whose light is kept apart: a part belongs to the covered half
-/// where most of its rays meet a surface that transmits within the gap, else to the open one. What is kept per texel
-/// side is then there twice, first for all open halves, then for all covered ones.
+/// where most of its rays meet a surface that transmits within the gap (2 edges, if it is automatic: those that lie
+/// farther off share their light with open ones), else to the open one. What is kept per texel side is then there
+/// twice, first for all open halves, then for all covered ones.
 ///
 /// Measured by rays of bundles (probe_pairs.cl), one bundle at a time, for the parts of side_parts.clh. Two or so rays
 /// per part suffice, and two bits to store it, rounded at random: the mean needs a to be right on average only.
@@ -41,7 +42,7 @@ class SideAccessibility {
  public:
   struct Options {
     float pixel_size = 0.5f;  ///< edge of a bundle pixel in texel edges
-    float access_gap = -1;    ///< in texel edges; 0: all rays are open; below 0: automatic_gap()
+    float access_gap = -1;    ///< in texel edges; 0: all rays are open; below 0: automatic_gap(), below glass 2
     int rays = 256;           ///< of a texel that faces all directions
     uint32_t halves = 1;      ///< of each texel side, with `access_gap`: SideHalves::per_side()
   };
