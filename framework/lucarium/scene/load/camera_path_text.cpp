@@ -120,7 +120,10 @@ std::optional<CameraPath> find_camera_path(const Scene& scene, const std::string
   if (auto path = parse_camera_path(text)) return path;
   std::error_code ignored;
   if (!std::filesystem::exists(text, ignored)) {
-    const std::string advice = advice_for_missing(text);
+    if (text.find('@') != std::string::npos)  // of a key
+      throw_error(ErrorClass::usage, "camera path: '{}' begins neither with linear: nor with spline:, nor is it a file",
+                  text);
+    const std::string advice = nearest_name(text, names).empty() ? advice_for_missing(text) : "";
     if (names.empty() || !advice.empty())
       throw_error(ErrorClass::input, "{}: no such file of a camera path{}", text,
                   advice.empty() ? fmt::format("; {} brings none by name", scene.source) : advice);

@@ -113,6 +113,7 @@ TEST_CASE("camera paths on the command line that are wrong: exit code 2, in a fi
     return scene + file.string();
   };
   check_refused(scene + "wlak", 2, "there is no camera path 'wlak', nor such a file; did you mean 'walk'?");
+  check_refused(scene + "'cubic:0@0,1,3:0,1,0;1@0,1,2:0,1,0'", 2, "begins neither with linear: nor with spline:");
   check_refused("scene builtin:room --camera-path walk", 3, "walk: no such file of a camera path");
   check_refused(scene + "walk --camera 0", 2, "give --camera or --camera-path, not both");
   check_refused(scene + "linear:0@0,0,1:0,0,0", 2, "a path has at least two keys, this one has one");
