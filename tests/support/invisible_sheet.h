@@ -26,9 +26,9 @@ inline SceneMaterial invisible_glass() {
   return glass;
 }
 
-/// Under a sky of radiance 1. `turned`: the sheet about the vertical [rad]. The camera looks down from below the sheet:
-/// 24 pixels of 10 cm. The floor is instance 0.
-inline Scene invisible_sheet(float turned = 0) {
+/// Under a sky of radiance 1. `turned`: the sheet about the vertical [rad]; `height` [m] above the floor. The camera
+/// looks down from below the sheet: 24 pixels of 10 cm. The floor is instance 0.
+inline Scene invisible_sheet(float turned = 0, float height = sheet_height) {
   Scene scene;
   scene.environment = Environment{};
   scene.environment->factor = glm::vec3(1);
@@ -37,12 +37,12 @@ inline Scene invisible_sheet(float turned = 0) {
     add_polygon(scene, {up - x + z, up + x + z, up + x - z, up - x - z}, add_material(scene, material));
   };
   add_square(half_floor, 0, 0, lambert(sheet_albedo));
-  add_square(half_sheet, sheet_height, turned, invisible_glass());
+  add_square(half_sheet, height, turned, invisible_glass());
   SceneCamera camera;
   camera.name = "below";
   camera.perspective = false;
   camera.xmag = camera.ymag = 1.2f;
-  camera.world_from_camera = frame_along({0, 0.5f * sheet_height, 0}, {0, -1, 0});
+  camera.world_from_camera = frame_along({0, 0.5f * height, 0}, {0, -1, 0});
   scene.cameras.push_back(camera);
   return scene;
 }

@@ -77,22 +77,33 @@ TEST_CASE("covered halves of texel sides have the area of the glass above them")
   parameters.dir_n = 4;
   parameters.cells = 32;
   parameters.texels = 1200;
-  const test::FieldRig rig(invisible_sheet(), parameters);
-  const vlf::FieldSurfaces& surfaces = rig.surfaces();
-  REQUIRE(surfaces.accessibility.halves() == 2);
-  const std::vector<AtlasTexel> texels = surfaces.atlas.texels().download();
-  const std::vector<float> shares = surfaces.accessibility.shares().download();
-  const std::vector<uint32_t> instances = rig.instances();
-  double covered = 0, all = 0;
-  for (size_t side = 0; side < texels.size(); ++side) {
-    if (instances[side] != 0) continue;
-    const auto area = static_cast<double>(texels[side].area);
-    covered += area * static_cast<double>(shares[texels.size() + side]);
-    all += area * static_cast<double>(shares[side] + shares[texels.size() + side]);
-  }
-  MESSAGE("covered " << covered << " m2 of " << all);
-  CHECK(covered == relative(4 * half_sheet * half_sheet, 0.05));
-  CHECK(all == relative(4 * half_floor * half_floor, 1e-3));
+  /// Of the floor [m2], and of its covered halves.
+  struct Areas {
+    double all = 0, covered = 0;
+  };
+  const auto areas_of = [&](float height) {
+    const test::FieldRig rig(invisible_sheet(0, height), parameters);
+    const vlf::FieldSurfaces& surfaces = rig.surfaces();
+    REQUIRE(surfaces.accessibility.halves() == 2);
+    const std::vector<AtlasTexel> texels = surfaces.atlas.texels().download();
+    const std::vector<float> shares = surfaces.accessibility.shares().download();
+    const std::vector<uint32_t> instances = rig.instances();
+    Areas areas;
+    for (size_t side = 0; side < texels.size(); ++side) {
+      if (instances[side] != 0) continue;
+      const auto area = static_cast<double>(texels[side].area);
+      areas.covered += area * static_cast<double>(shares[texels.size() + side]);
+      areas.all += area * static_cast<double>(shares[side] + shares[texels.size() + side]);
+    }
+    MESSAGE("covered " << areas.covered << " m2 of " << areas.all);
+    return areas;
+  };
+  const Areas close = areas_of(test::sheet_height);
+  CHECK(close.covered == relative(4 * half_sheet * half_sheet, 0.05));
+  CHECK(close.all == relative(4 * half_floor * half_floor, 1e-3));
+
+  // 2.5 edges of texels above the floor, of the 4.5 within which detail counts as near.
+  CHECK(areas_of(0.25f).covered == 0);
 
   // Nothing is kept twice without glass, and with the weights of the paper.
   parameters.access_gap = 0;
