@@ -72,6 +72,8 @@ TEST_CASE("parity hits closed bodies where the hierarchy does, from a camera and
       CHECK(rates.of(rates.missed + rates.invented) <= c.miss);
       CHECK(rates.of(rates.occlusion) <= c.miss);
       CHECK(rates.of(rates.far) <= (start == back ? 0.006 : c.search == Search::columns ? 0.0005 : 0.001));
+      MESSAGE("lost ", rates.of(rates.missed + rates.invented), " occlusion ", rates.of(rates.occlusion), " far ",
+              rates.of(rates.far));
     }
   }
 }
@@ -193,26 +195,4 @@ TEST_CASE("parity: cubes of two pixels are hit by rays that cross columns aslant
   MESSAGE(wrong, " of ", rays.size(), " wrong");
   // Nothing of such a cube is farther than a pixel from an edge: 8 % miss it, or hit it more than a pixel off.
   CHECK(wrong <= rays.size() / 10);
-}
-
-TEST_CASE("mean chord of cosine-distributed rays inside a sphere is 4V/S") {
-  AbufferRig rig(scene_of(sphere({}, 1)));
-  const VoxelAbuffer structure = rig.make({.intersect = Intersect::automatic});
-  TestRays all = scene_rays(rig, full_run() ? 1500000 : 120000, 9), rays;
-  for (size_t i = 1; i < all.rays.size(); i += 3) {
-    if (!(all.ends[i].start & LUCARIUM_RAY_END_BACK)) continue;
-    rays.rays.push_back(all.rays[i]);
-    rays.ends.push_back(all.ends[i]);
-  }
-  double sum = 0;
-  uint32_t escaped = 0;
-  for (const Hit& hit : rig.trace(structure, rays.rays, rays.ends).hits) {
-    escaped += hit.triangle == LUCARIUM_NO_HIT;
-    if (hit.triangle != LUCARIUM_NO_HIT) sum += static_cast<double>(hit.distance);
-  }
-  const auto count = static_cast<double>(rays.rays.size());
-  // Standard deviation of a chord: √2/3; triangles are chosen by index, which for a convex body of any weights is all
-  // the same: the mean chord from any point of a sphere is 4/3.
-  CHECK(std::fabs(sum / count - 4.0 / 3) <= 0.002 * 4 / 3 + 4 * 0.4714 / std::sqrt(count));
-  CHECK(escaped <= 2);
 }
