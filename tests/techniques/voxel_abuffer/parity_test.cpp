@@ -71,7 +71,7 @@ TEST_CASE("parity hits closed bodies where the hierarchy does, from a camera and
       const Rates& rates = all[start];
       CHECK(rates.of(rates.missed + rates.invented) <= c.miss);
       CHECK(rates.of(rates.occlusion) <= c.miss);
-      CHECK(rates.of(rates.far) <= (start == back ? 0.006 : c.search == Search::columns ? 0.0005 : 0.001));
+      CHECK(rates.of(rates.far) <= (start == back ? 0.006 : 0.0005));
       MESSAGE("lost ", rates.of(rates.missed + rates.invented), " occlusion ", rates.of(rates.occlusion), " far ",
               rates.of(rates.far));
     }
