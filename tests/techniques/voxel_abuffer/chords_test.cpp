@@ -3,6 +3,7 @@
 // inwards, it is 4V/S.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The modes of voxel_abuffer, over its structure and over a hierarchy: closed forms, references of their own path sets,
-// and composition.
+// The modes of voxel_abuffer, over its structure and over a hierarchy: closed forms, bits and composition.
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "lucarium/scene/builtin/scenes.h"
-#include "made_scene.h"
+#include "mode_scenes.h"
 #include "technique_picture.h"
 #include "tolerance.h"
 
@@ -45,15 +43,6 @@ Scene sphere_above_floor(float x) {
   return scene;
 }
 
-SceneMaterial clear_glass() {
-  SceneMaterial material;
-  material.metallic = 0;
-  material.roughness = 0;
-  material.transmission = 1;
-  material.thickness = 1;
-  return material;
-}
-
 /// Closed slabs of alpha 1/4, one below the other, over an emitter of radiance 1; nothing else lights them.
 Scene slabs(int count) {
   Scene scene;
@@ -68,46 +57,6 @@ Scene slabs(int count) {
   add_horizontal(scene, 0, -1, 0, 3, 3, true, add_material(scene, emitter(1)));
   scene.cameras.push_back(look_orthographic({0, 3, 0}, {0, 0, 0}, 0.5f));
   return scene;
-}
-
-/// Things behind veils, masks, glass and mirrors, under all kinds of lights.
-Scene showcase() {
-  Scene scene;
-  add_horizontal(scene, 0, 0, 0, 6, 6, true, add_material(scene, lambert(0.6f)));
-  SceneMaterial veil = lambert(0.8f);
-  veil.base_color.w = 0.4f;
-  veil.alpha_mode = AlphaMode::blend;
-  veil.double_sided = true;
-  add_horizontal(scene, -0.7f, 0.8f, 0, 1, 1, true, add_material(scene, veil));
-  SceneMaterial mirror;
-  mirror.roughness = 0;
-  test::add_box(scene, {0.2f, 0, -1}, {1.2f, 0.7f, -0.4f}, false, add_material(scene, mirror));
-  add_triangles(scene, sphere_triangles({0.2f, 0.35f, 0.5f}, 0.35f, 4, false), add_material(scene, clear_glass()));
-  SceneMaterial lamp = emitter(4);
-  add_horizontal(scene, 0, 2.5f, 0, 0.8f, 0.8f, false, add_material(scene, lamp));
-  add_light(scene, LightType::point, 1, {1.5f, 1.2f, 1.5f}, {0, 0, 0});
-  set_environment(scene, 0.3f);
-  scene.cameras.push_back(look_perspective({0.5f, 1.6f, 3.2f}, {0.1f, 0.3f, 0}, 0.7f));
-  return scene;
-}
-
-/// Whether two estimators have the same mean, by seeds of their own.
-void check_same_mean(const std::vector<double>& a, const std::vector<double>& b) {
-  const auto moments = [](const std::vector<double>& values) {
-    double sum = 0, squares = 0;
-    for (const double v : values) sum += v;
-    const double mean = sum / static_cast<double>(values.size());
-    for (const double v : values) squares += (v - mean) * (v - mean);
-    const auto n = static_cast<double>(values.size());
-    return std::pair(mean, squares / (n * (n - 1)));
-  };
-  const auto [mean_a, error_a] = moments(a);
-  const auto [mean_b, error_b] = moments(b);
-  const double error = std::sqrt(error_a + error_b);
-  INFO(mean_a, " and ", mean_b, " +- ", error);
-  CHECK(mean_b > 0);
-  CHECK(error < 0.01 * mean_b);
-  CHECK(std::abs(mean_a - mean_b) <= 4 * error + 1e-6 * mean_b);
 }
 
 }  // namespace
@@ -205,39 +154,6 @@ TEST_CASE("modes: ray casting through eight closed slabs of alpha 1/4") {
     opaque.materials[0].alpha_mode = AlphaMode::opaque;
     const Film walls = render(opaque, {}, with_structure(structure, {{"mode", "cast"}}));
     for (const float crossings : walls.find("crossings")->pixels) CHECK(crossings == 1);
-  }
-}
-
-TEST_CASE("modes: cast, whitted and path have the light of the path tracer with their path set") {
-  struct Case {
-    const char* mode;
-    int max_bounces;
-    Parameters reference;
-  };
-  const Scene scene = showcase();
-  for (const Case& c :
-       {Case{"cast", 0, {{"eye_deltas", "0"}}}, Case{"whitted", 0, {{"eye_deltas", "3"}}}, Case{"path", 2, {}}}) {
-    CAPTURE(c.mode);
-    for (const std::string& structure : {"exact"s, "auto"s}) {
-      CAPTURE(structure);
-      std::vector<double> ours, theirs;
-      for (uint64_t seed = 1; seed <= 6; ++seed) {
-        const Picture picture{.size = 24, .iterations = 16, .seed = seed, .max_bounces = c.max_bounces};
-        const Film film = render(scene, picture, with_structure(structure, {{"mode", c.mode}, {"lambda", "2"}}));
-        Picture other = picture;
-        other.technique = "path_tracing";
-        other.iterations = 32;
-        other.seed = 100 + seed;
-        const Film reference = render(scene, other, c.reference);
-        const auto light = [](const Film& of, const char* layer) {
-          const FilmLayer* found = of.find(layer);
-          return found ? mean(found->pixels) : 0.0;
-        };
-        ours.push_back(light(film, "emission") + light(film, "direct") + light(film, "indirect"));
-        theirs.push_back(light(reference, "emission") + light(reference, "direct") + light(reference, "indirect"));
-      }
-      check_same_mean(ours, theirs);
-    }
   }
 }
 

@@ -10,7 +10,6 @@
 #include "closed_bodies.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "test_support.h"
-#include "tolerance.h"
 #include "voxel_abuffer/structure/state.h"
 
 using namespace lucarium;

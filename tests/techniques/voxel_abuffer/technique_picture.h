@@ -39,4 +39,17 @@ inline Film render(const Scene& scene, const Picture& picture, Parameters parame
   return run->resolve();
 }
 
+/// `count` independent pictures, of the seeds from `picture.seed` on.
+inline std::vector<std::vector<float>> pictures(const Scene& scene, const Picture& picture, Parameters parameters,
+                                                uint32_t count) {
+  const std::unique_ptr<RenderSession> run = session(scene, picture, std::move(parameters));
+  std::vector<std::vector<float>> all;
+  for (uint32_t i = 0; i < count; ++i) {
+    if (i > 0) run->restart(picture.seed + i);
+    run->run({.iterations = picture.iterations});
+    all.push_back(run->resolve().image());
+  }
+  return all;
+}
+
 }  // namespace lucarium::test
