@@ -155,7 +155,7 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
     return material.transmission > 0 || material.roughness < LUCARIUM_MIRROR_ROUGHNESS;
   });
   if (parameters.mode == ModeChoice::occlusion) {
-    list.push_back("mode=ao computes accessibility, not light");
+    list.push_back("mode=ao computes accessibility, not light: errors against a reference of light say nothing of it");
     return list;
   }
   if (parameters.mode != ModeChoice::path && settings.max_bounces != 0)
