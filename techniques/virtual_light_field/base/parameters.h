@@ -63,8 +63,8 @@ struct Parameters {
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",
              "maximum edge length of a pixel of a subfield, with supersample=auto");
     v.number("access_gap", access_gap, -1.f, 16.f, "texel edges",
-             "longer rays are free, which weights parts of texels, and those below glass are kept apart; 0: neither; "
-             "-1: 8, up to a tenth of the scene, below glass 2");
+             "longer rays are free, which weights texel parts, and parts closer under glass are kept apart; "
+             "0: neither; -1: 8, up to a tenth of the scene, under glass 2");
     v.number("access_rays", access_rays, 128, 4096, "rays", "rays per texel that measure its accessibility");
     v.choice("supersample", supersample,
              {{"auto", Supersample::automatic},

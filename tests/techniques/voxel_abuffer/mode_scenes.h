@@ -14,7 +14,7 @@ inline SceneMaterial clear_glass() {
   return material;
 }
 
-/// Things behind veils, masks, glass and mirrors, under all kinds of lights.
+/// Things behind veils, glass and mirrors, under a lamp, a point light and a sky.
 inline Scene showcase() {
   Scene scene;
   add_horizontal(scene, 0, 0, 0, 6, 6, true, add_material(scene, lambert(0.6f)));
@@ -35,7 +35,7 @@ inline Scene showcase() {
   return scene;
 }
 
-/// The like of it of closed bodies that do not touch, which `auto` searches by parity.
+/// The like of it, of closed bodies that do not touch.
 inline Scene closed_showcase() {
   Scene scene;
   test::add_box(scene, {-3, -0.3f, -3}, {3, 0, 3}, false, add_material(scene, lambert(0.6f)));

@@ -106,7 +106,7 @@ TEST_CASE("hits of parity lie in their triangles, and are fronts where exact sea
         wrong_side[start] += got && !is_front(hit, rays.rays[i]);
       }
       CHECK(outside == 0);
-      for (const Start start : {camera, front, back}) {
+      for (const Start start : {camera, front}) {  // from backs hardly any ray sees a front
         CAPTURE(static_cast<int>(start));
         MESSAGE(wrong_side[start], " of ", fronts[start]);
         CHECK(static_cast<double>(wrong_side[start]) <= 1e-3 * fronts[start]);

@@ -64,6 +64,14 @@ TEST_CASE("path sets: modes have the light of the path tracer with their paths, 
     MESSAGE(c.mode, ", exact: ", exact.describe(0));
     CHECK(exact.passes(0));
     CHECK(exact.noise < 0.01);
+    // Closed components by parity beside open ones by exact search.
+    if (full_run() || c.mode == "whitted") {
+      const check::BlockTest both =
+          check::compare_blocks(ours(open, c, {{"intersect", "auto"}}), references(open, c), kSide, kSide);
+      MESSAGE(c.mode, ", auto: ", both.describe(0.01));
+      CHECK(both.passes(0.01));
+      CHECK(both.noise < 0.01);
+    }
     const check::BlockTest parity =
         check::compare_blocks(ours(closed, c, {{"intersect", "parity"}}), references(closed, c), kSide, kSide);
     MESSAGE(c.mode, ", parity: ", parity.describe(0.01));

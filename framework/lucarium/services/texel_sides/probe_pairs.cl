@@ -24,8 +24,10 @@ typedef struct Probe {
 
 void bundle_expect(Probe* probe, uint texel) { LUCARIUM_PREFETCH(probe->counts + (size_t)texel * SIDE_PARTS); }
 
+#define PROBE_FREE UINT_MAX  // length of the gap of a ray that meets nothing more
+
 // See PROBE_RAYS; no more than it holds. length: of the gap, in steps of LAYERED_KEY_DEPTH, behind which the ray meets
-// the side `other`; LUCARIUM_NONE: a back. A ray that meets nothing more has no shorter gap.
+// the side `other`; LUCARIUM_NONE: a back. After PROBE_FREE any other value will do: it is not looked at.
 void count_ray(Probe* probe, FragmentSide end, uint length, uint other) {
   if (end.side == LUCARIUM_NONE) return;
   const bool back = other == LUCARIUM_NONE;
@@ -43,7 +45,7 @@ void count_ray(Probe* probe, FragmentSide end, uint length, uint other) {
 }
 
 void layered_ray_begins(Probe* probe, uint2 pixel, uint payload, bool front) {
-  count_ray(probe, fragment_side(probe, payload, front), UINT_MAX, 0u);
+  count_ray(probe, fragment_side(probe, payload, front), PROBE_FREE, 0u);
 }
 
 void layered_ray_crosses(Probe* probe, LayeredGap gap) {
@@ -54,7 +56,7 @@ void layered_ray_crosses(Probe* probe, LayeredGap gap) {
 }
 
 void layered_ray_ends(Probe* probe, uint2 pixel, uint payload, bool front) {
-  count_ray(probe, fragment_side(probe, payload, front), UINT_MAX, 0u);
+  count_ray(probe, fragment_side(probe, payload, front), PROBE_FREE, 0u);
 }
 
 #ifdef SIDE_HALVES

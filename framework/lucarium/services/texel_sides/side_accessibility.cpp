@@ -16,8 +16,8 @@ namespace {
 
 constexpr uint32_t kMaxCells = 1u << BUNDLE_PART;
 constexpr double kMinBundles = 32, kMaxBundles = 1024;
-// Of light below glass, with automatic_gap(): farther off its edge is blurred, and covered parts take rays from open
-// ones.
+// Of light below glass, with automatic_gap(), in texel edges: farther off its edge is blurred, and covered parts take
+// rays from open ones.
 constexpr float kGlassGap = 2;
 constexpr uint64_t kSeed = 0x6f70656e;  // not that of a run, whose directions then are others
 
