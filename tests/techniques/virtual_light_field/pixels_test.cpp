@@ -47,11 +47,15 @@ Means render(const Scene& scene, const std::string& technique, int max_bounces, 
 
 const Options fine = {{"dir_n", "8"}, {"cells", "48"}, {"texels", "4096"}, {"camera_samples", "16"}};
 
-/// A lit box whose back wall and a sheet of tinted glass scatter by lobes: what a camera at the open side sees of it.
-Scene lobes(float roughness) {
-  const SceneMaterial grey = test::lambert(0.6f);
-  Scene scene = test::unit_box(
-      {{0, grey}, {1, grey}, {2, grey}, {3, test::emitter(2, 0.4f)}, {4, test::mirror(0.8f, roughness)}, {5, grey}});
+/// A lit box whose back wall scatters by lobes, and its sides too if they are to: what a camera in front sees of it.
+Scene lobes(float roughness, bool sides = false) {
+  const SceneMaterial grey = test::lambert(0.6f), metal = test::mirror(0.8f, roughness);
+  Scene scene = test::unit_box({{0, sides ? metal : grey},
+                                {1, sides ? metal : grey},
+                                {2, grey},
+                                {3, test::emitter(2, 0.4f)},
+                                {4, metal},
+                                {5, grey}});
   scene.cameras.push_back(look_at_camera("inside", {0.45f, 0.4f, 0.9f}, {0.5f, 0.45f, 0.f}, 60.f));
   return scene;
 }
@@ -90,6 +94,16 @@ TEST_CASE("rays of lobes and look-ups show what path_tracing shows") {
       if (!mirrored) CHECK(found.indirect == relative(expected.indirect, 0.04));
     }
   }
+}
+
+TEST_CASE("rays of lobes show the lobes of what they meet") {
+  const Scene scene = lobes(0.5f, true);
+  const Means expected = render(scene, "path_tracing", -1, 512),
+              found = render(scene, "virtual_light_field", -1, 160, fine);
+  const double all = expected.emission + expected.direct + expected.indirect,
+               seen = found.emission + found.direct + found.indirect;
+  MESSAGE("off by ", seen / all - 1);
+  CHECK(seen == relative(all, 0.03));
 }
 
 TEST_CASE("a wall half mirror and half diffuse shows its mirror once, however it is looked up") {
