@@ -9,15 +9,6 @@ namespace {
 
 Effort glass_effort() { return full_run() ? Effort{64, 16, 128} : Effort{32, 16, 32}; }
 
-SceneMaterial glass() {
-  SceneMaterial material;
-  material.metallic = 0;
-  material.roughness = 0;
-  material.transmission = 1;
-  material.thickness = 1;
-  return material;
-}
-
 /// A slab between y = -0.1 and 0 above a wide emitter of radiance 1 that faces it.
 Scene slab_scene(const SceneMaterial& material, float emitter_radiance = 1) {
   Scene scene;
@@ -35,13 +26,13 @@ SceneCamera tilted_glass(double cosine) {
 
 TEST_CASE("glass: transmittance of a slab of index 1.5") {
   ClosedForms table;
-  table.add("0 degrees", estimate(slab_scene(glass()), tilted_glass(1), {}, glass_effort()), .923077);
-  table.add("60 degrees", estimate(slab_scene(glass()), tilted_glass(0.5), {}, glass_effort()), .869159);
+  table.add("0 degrees", estimate(slab_scene(clear_glass()), tilted_glass(1), {}, glass_effort()), .923077);
+  table.add("60 degrees", estimate(slab_scene(clear_glass()), tilted_glass(0.5), {}, glass_effort()), .869159);
   table.check(2e-3);
 }
 
 TEST_CASE("glass: Beer's law along the refracted way") {
-  SceneMaterial tinted = glass();
+  SceneMaterial tinted = clear_glass();
   tinted.attenuation_color = glm::vec3(0.25f);
   tinted.attenuation_distance = 0.2f;
   const double sigma = std::log(4.0) / 0.2;
@@ -58,7 +49,7 @@ TEST_CASE("glass: Beer's law along the refracted way") {
 
 TEST_CASE("glass: a thin wall does not bend, and reflects R") {
   // No volume: one interface, transmittance 1 - R.
-  SceneMaterial wall = glass();
+  SceneMaterial wall = clear_glass();
   wall.thickness = 0;
   Scene scene;
   add_horizontal(scene, 0, 0, 0, 40, 40, true, add_material(scene, wall));
@@ -71,7 +62,7 @@ TEST_CASE("glass: a thin wall does not bend, and reflects R") {
 TEST_CASE("glass: a faceted sphere in a furnace loses nothing") {
   // Total reflection keeps some light within the facets for hundreds of events: no path may end for their number alone.
   Scene scene;
-  add_triangles(scene, sphere_triangles({0, 0, 0}, 1, 5, false), add_material(scene, glass()));
+  add_triangles(scene, sphere_triangles({0, 0, 0}, 1, 5, false), add_material(scene, clear_glass()));
   set_environment(scene, 1);
   PathIntegratorOptions without;
   without.roulette = false;
@@ -84,5 +75,5 @@ TEST_CASE("glass: a faceted sphere in a furnace loses nothing") {
 TEST_CASE("glass: delta events on the eye's side can be left out") {
   PathIntegratorOptions options;
   options.path_set.eye_deltas = 0;
-  CHECK(estimate(slab_scene(glass()), tilted_glass(1), options, {16, 2, 4}).mean == 0);
+  CHECK(estimate(slab_scene(clear_glass()), tilted_glass(1), options, {16, 2, 4}).mean == 0);
 }

@@ -17,11 +17,9 @@ inline constexpr float sheet_height = 0.05f, half_sheet = 0.5f, half_floor = 1.6
 inline constexpr float sheet_albedo = 0.5f;  ///< of the floor
 
 inline SceneMaterial invisible_glass() {
-  SceneMaterial glass;
-  glass.metallic = 0;
-  glass.roughness = 0;
+  SceneMaterial glass = clear_glass();
   glass.ior = 1;
-  glass.transmission = 1;
+  glass.thickness = 0;
   glass.double_sided = true;
   return glass;
 }

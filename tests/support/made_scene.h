@@ -27,6 +27,16 @@ inline SceneMaterial emitter(float radiance, float rho = 0) {
   return material;
 }
 
+/// A solid of ideal glass, index 1.5.
+inline SceneMaterial clear_glass() {
+  SceneMaterial material;
+  material.metallic = 0;
+  material.roughness = 0;
+  material.transmission = 1;
+  material.thickness = 1;
+  return material;
+}
+
 inline int add_material(Scene& scene, const SceneMaterial& material) {
   scene.materials.push_back(material);
   return static_cast<int>(scene.materials.size()) - 1;

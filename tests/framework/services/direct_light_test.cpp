@@ -77,11 +77,7 @@ Scene mixed_scene() {
   add_light(scene, LightType::point, 0.1f, center, center - glm::vec3(0, 1, 0));
   add_light(scene, LightType::spot, 0.2f, center + glm::vec3(0, .2f, 0), center - glm::vec3(0, 1, 0));
   add_light(scene, LightType::directional, 0.3f, center + glm::vec3(0, .2f, 1), center);
-  SceneMaterial glass;
-  glass.metallic = 0;
-  glass.roughness = 0;
-  glass.transmission = 1;
-  glass.thickness = 1;
+  SceneMaterial glass = clear_glass();
   const float size = 0.15f * scene.bounds().radius();
   add_box(scene, center - size, center + size, false, add_material(scene, glass));
   return scene;

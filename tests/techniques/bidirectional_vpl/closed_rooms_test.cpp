@@ -120,11 +120,7 @@ TEST_CASE("furnace: bodies under an even sky show their albedo, and lose nothing
   table.add("Lambert", mean_of_layer(body, picture, "direct", {}), rho);
 
   // A white floor below a glass block, unlimited bounces: everything that is sent out comes back.
-  SceneMaterial glass;
-  glass.metallic = 0;
-  glass.roughness = 0;
-  glass.transmission = 1;
-  glass.thickness = 1;
+  SceneMaterial glass = clear_glass();
   Scene block;
   add_horizontal(block, 0, -1, 0, 4, 4, true, add_material(block, lambert(1)));
   add_box(block, {-1, -0.6f, -1}, {1, -0.3f, 1}, false, add_material(block, glass));

@@ -48,11 +48,7 @@ TEST_CASE("glass slab: a floor behind it gets (1 - R) / (1 + R) of each directio
   // E = 2 pi (integral of T cos), and what it sends back to the slab returns with 2 R / (1 + R).
   const float albedo = 0.3f;
   Scene scene;
-  SceneMaterial glass;
-  glass.metallic = 0;
-  glass.roughness = 0;
-  glass.transmission = 1;
-  glass.thickness = 1;
+  SceneMaterial glass = clear_glass();
   add_horizontal(scene, 0, 1, 0, 60, 60, false, add_material(scene, emitter(1)));
   add_box(scene, {-30, 0.5f, -30}, {30, 0.6f, 30}, false, add_material(scene, glass));
   add_horizontal(scene, 0, 0, 0, 60, 60, true, add_material(scene, lambert(albedo)));

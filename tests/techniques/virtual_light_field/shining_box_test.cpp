@@ -152,12 +152,7 @@ TEST_CASE("a shining box of metal after one and two bounces is path_tracing's") 
 TEST_CASE("glass balls and slabs in a furnace change nothing outside of them") {
   // Walls of emission 1 and albedo 1/2: radiance is 2 everywhere, through clear glass too.
   const SceneMaterial wall = test::emitter(1, 0.5f);
-  SceneMaterial glass;
-  glass.base_color = glm::vec4(1);
-  glass.metallic = 0;
-  glass.roughness = 0;
-  glass.transmission = 1;
-  glass.thickness = 1;
+  SceneMaterial glass = test::clear_glass();
   for (const bool ball : {true, false}) {
     CAPTURE(ball);
     Scene scene = test::unit_box({{0, wall}, {1, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}});

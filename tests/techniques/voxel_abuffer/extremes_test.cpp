@@ -176,11 +176,7 @@ TEST_CASE("extremes: an eye inside a solid, inside two, and in a room") {
 
 TEST_CASE("extremes: an eye inside glass sees as over the hierarchy, with exact search and with parity") {
   Scene scene;
-  SceneMaterial glass;
-  glass.metallic = 0;
-  glass.roughness = 0;
-  glass.transmission = 1;
-  glass.thickness = 1;
+  SceneMaterial glass = clear_glass();
   test::add_triangles(scene, sphere_triangles({0, 1, 0}, 1, 5, false), add_material(scene, glass));
   test::add_horizontal(scene, 0, -0.5f, 0, 9, 9, true, add_material(scene, lambert(0.5f)));
   set_environment(scene, 1);

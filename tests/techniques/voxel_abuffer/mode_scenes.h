@@ -5,15 +5,6 @@
 
 namespace lucarium::test {
 
-inline SceneMaterial clear_glass() {
-  SceneMaterial material;
-  material.metallic = 0;
-  material.roughness = 0;
-  material.transmission = 1;
-  material.thickness = 1;
-  return material;
-}
-
 /// Things behind veils, glass and mirrors, under a lamp, a point light and a sky.
 inline Scene showcase() {
   Scene scene;

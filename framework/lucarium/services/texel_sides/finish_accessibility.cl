@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Accessibility of the parts of texel sides: the share of their rays that go farther than the gap. Rays that hit backs
-// are ignored, since most of them begin in interior places (texel_interior.h); a part that has no other
-// rays is hidden.
+// are ignored, since most of them begin in interior places (texel_interior.h); a part that has no other rays is hidden.
 #include "lucarium/random.clh"
 #include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/services/texel_sides/side_points.clh"

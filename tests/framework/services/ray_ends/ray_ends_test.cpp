@@ -35,11 +35,7 @@ Scene made_scene() {
   Scene scene;
   scene.source = "test:ray ends";
   test::add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, lambert(0.6f)));
-  SceneMaterial glass;
-  glass.metallic = 0;
-  glass.roughness = 0;
-  glass.transmission = 1;
-  glass.thickness = 1;
+  SceneMaterial glass = clear_glass();
   add_triangles(scene, sphere_triangles({0.3f, -0.5f, 0.2f}, 0.3f, 3, false), add_material(scene, glass));
   SceneMaterial frosted = glass;
   frosted.roughness = 0.4f;
