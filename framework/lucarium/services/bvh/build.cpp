@@ -3,192 +3,206 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstring>
+#include <optional>
 
-#include "lucarium/scene/device/degenerate_triangle.h"
+#include "lucarium/base/parallel.h"
+#include "lucarium/services/bvh/binned_split.h"
+#include "lucarium/services/bvh/few_triangles.h"
 
 namespace lucarium {
 
 namespace {
 
-constexpr int max_bins = 16;
-constexpr int max_sah_depth = 48;                // deeper nodes are halved by count, which bounds recursion and stacks
-constexpr uint32_t triangles_per_thread = 4096;  // triangles below which a thread is not worth its start
+constexpr int max_sah_depth = 48;        // deeper nodes are halved by count, which bounds recursion and stacks
+constexpr uint32_t split_chunk = 8192;   // triangles of a large range that one thread takes at a time
+constexpr uint32_t built_alone = 16384;  // triangles of a range that is left to one thread
 
-/// Twice the centre: sorting by it needs no division.
-float centre2(const BoundedTriangle& triangle, int axis) { return triangle.box.min[axis] + triangle.box.max[axis]; }
-
-/// Maps twice the centre to a bin; the same expression bins and partitions.
-struct BinMap {
-  float origin = 0, scale = 0;
-  int last = 0;
-  int operator()(float value) const { return std::min(static_cast<int>((value - origin) * scale), last); }
-};
-
-struct Split {
-  int axis = -1;  // -1: all centres coincide
-  int bin = 0;    // triangles in bins below this one go left
-  float cost = INFINITY;
-};
-
-/// The first three lanes of one vector each, so that growing a box takes two instructions.
-using Lanes = float __attribute__((vector_size(16)));
-
-struct LaneBox {
-  Lanes lower, upper;
-
-  LaneBox() = default;  // undefined; see empty()
-  /// Reads the word behind either corner, too: the box's next member, and the triangle's index.
-  explicit LaneBox(const BoundedTriangle& triangle) {
-    const auto* words = reinterpret_cast<const char*>(&triangle);
-    static_assert(offsetof(BoundedTriangle, box) == 0 && offsetof(BoundedTriangle, triangle) == 6 * sizeof(float));
-    std::memcpy(&lower, words, sizeof(lower));
-    std::memcpy(&upper, words + 3 * sizeof(float), sizeof(upper));
-  }
-  static LaneBox empty() {
-    LaneBox box;
-    box.lower = Lanes{1e30f, 1e30f, 1e30f, 0};
-    box.upper = -box.lower;
-    return box;
-  }
-  void add(const LaneBox& other) {
-    lower = other.lower < lower ? other.lower : lower;
-    upper = other.upper > upper ? other.upper : upper;
-  }
-  Bounds box() const { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
-  float half_area() const { return box().half_area(); }
-};
-
-struct Bin {
-  LaneBox box;
-  uint32_t count;
+/// Triangles to be divided. They lie in one of two arrays, and the parts are written to the other one.
+struct Range {
+  uint32_t node, first, count;
+  int depth;
+  bool swapped;  // they lie in the second array
+  BoxLanes box, centres;
 };
 
 class Builder {
  public:
-  Builder(std::vector<BoundedTriangle>& triangles, BinaryBvh& out, unsigned threads)
-      : triangles_(triangles), out_(out), fork_join_(threads) {}
+  Builder(BinaryBvh& out, unsigned threads) : out_(out), other_(out.triangles.size()), threads_(threads) {}
 
-  void build(uint32_t node, uint32_t first, uint32_t count, int depth) {
-    BinaryBvh::Node& result = out_.nodes[node];
-    result.first = first;
-    result.count = count;
-    LaneBox box = LaneBox::empty(), centre_box = LaneBox::empty();
-    for (uint32_t i = first; i < first + count; ++i) {
-      const LaneBox triangle(triangles_[i]);
-      box.add(triangle);
-      LaneBox centre;
-      centre.lower = centre.upper = triangle.lower + triangle.upper;
-      centre_box.add(centre);
+  void build() {
+    const Range root = make_root();
+    if (threads_ < 2 || root.count <= built_alone) {
+      build(root);
+      return;
     }
-    result.box = box.box();
-    const Bounds centres = centre_box.box();
-    if (count == 1) return;
-    const uint32_t left = count == 2              ? 1
-                          : depth < max_sah_depth ? split(first, count, centres)
-                                                  : halve(first, count, centres);
-    fork_join_.run(
-        count > triangles_per_thread, [&] { build(node + 1, first, left, depth + 1); },
-        [&] { build(node + 2 * left, first + left, count - left, depth + 1); });
+    std::vector<Range> large = {root}, small;
+    while (!large.empty()) large = divide_large(large, small);
+    // The largest ones first, so that threads end together.
+    std::stable_sort(small.begin(), small.end(), [](const Range& a, const Range& b) { return a.count > b.count; });
+    for_all(small.size(), [&](size_t i) { build(small[i]); });
   }
 
  private:
-  /// Partitions the range by the cheapest binned split; returns the size of the left part.
-  uint32_t split(uint32_t first, uint32_t count, const Bounds& centres) {
-    std::array<BinMap, 3> maps;
-    const int bins = std::clamp(static_cast<int>(std::min<uint32_t>(count, max_bins)), 4, max_bins);
-    for (int axis = 0; axis < 3; ++axis) {
-      const float extent = centres.max[axis] - centres.min[axis];
-      // The scale stays finite: extents so small that bins / extent overflows are treated as none.
-      const bool usable = extent > 1e-30f;
-      maps[axis] = {centres.min[axis], usable ? static_cast<float>(bins) * 0.99999f / extent : 0.f, bins - 1};
-    }
-    const Split best = find_split(first, count, maps, bins);
-    if (best.axis < 0) return count / 2;
-    const auto begin = triangles_.begin() + first;
-    const auto middle = std::partition(begin, begin + count, [&](const BoundedTriangle& triangle) {
-      return maps[best.axis](centre2(triangle, best.axis)) < best.bin;
-    });
-    return static_cast<uint32_t>(middle - begin);
+  template <class Work>
+  void for_all(size_t count, const Work& work) {
+    parallel_jobs(
+        count, std::min(threads_, static_cast<unsigned>(count)), [&] { return work; }, [](size_t) {});
+  }
+  BoundedTriangle* place(const Range& range) { return (range.swapped ? other_ : out_.triangles).data() + range.first; }
+  BoundedTriangle* other_place(const Range& range) {
+    return (range.swapped ? out_.triangles : other_).data() + range.first;
   }
 
-  Split find_split(uint32_t first, uint32_t count, const std::array<BinMap, 3>& maps, int bins) const {
-    std::array<std::array<Bin, max_bins>, 3> bin;
-    for (auto& of_axis : bin) std::fill_n(of_axis.begin(), bins, Bin{LaneBox::empty(), 0});
-    for (uint32_t i = first; i < first + count; ++i) {
-      const LaneBox box(triangles_[i]);
-      const Lanes centre = box.lower + box.upper;
-      for (int axis = 0; axis < 3; ++axis) {
-        Bin& target = bin[axis][maps[axis](centre[axis])];
-        target.box.add(box);
-        ++target.count;
-      }
+  Range make_root() {
+    const auto count = static_cast<uint32_t>(out_.triangles.size());
+    std::vector<Range> parts;
+    for (uint32_t first = 0; first < count; first += 4 * split_chunk)
+      parts.push_back({0, first, std::min(4 * split_chunk, count - first), 0, false, {}, {}});
+    for_all(parts.size(), [&](size_t i) { find_boxes(parts[i]); });
+    for (size_t i = 1; i < parts.size(); ++i) parts[0].box.add(parts[i].box), parts[0].centres.add(parts[i].centres);
+    parts[0].count = count;
+    return parts[0];
+  }
+
+  void find_boxes(Range& range) {
+    range.box = range.centres = BoxLanes::empty();
+    for (const BoundedTriangle* triangle = place(range); triangle != place(range) + range.count; ++triangle) {
+      const BoxLanes one(*triangle);
+      range.box.add(one);
+      range.centres.add({one.centre2(), -one.centre2()});
     }
-    Split best;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (maps[axis].scale == 0) continue;
-      float right_cost[max_bins];
-      LaneBox box = LaneBox::empty();
-      uint32_t below = 0;
-      for (int b = bins - 1; b > 0; --b) {
-        box.add(bin[axis][b].box);
-        below += bin[axis][b].count;
-        right_cost[b] = box.half_area() * static_cast<float>(below);
-      }
-      box = LaneBox::empty();
-      below = 0;
-      for (int b = 1; b < bins; ++b) {
-        box.add(bin[axis][b - 1].box);
-        below += bin[axis][b - 1].count;
-        if (below == 0 || below == count) continue;
-        const float cost = box.half_area() * static_cast<float>(below) + right_cost[b];
-        if (cost < best.cost) best = {axis, b, cost};
-      }
+  }
+
+  void write_node(const Range& range, uint32_t left_count) {
+    BinaryBvh::Node& node = out_.nodes[range.node];
+    range.box.store(node);
+    node.left_count = left_count;
+  }
+
+  /// Large ranges, all of a level at once: threads share their triangles. Returns those parts that are large again.
+  std::vector<Range> divide_large(const std::vector<Range>& ranges, std::vector<Range>& small) {
+    struct Piece {
+      size_t range;
+      uint32_t first, count;
+      Bins bins;
+      uint32_t left, right;  // where its triangles go
+      SideCentres centres;
+    };
+    std::vector<BinMap> maps;
+    std::vector<Piece> pieces;
+    for (size_t i = 0; i < ranges.size(); ++i) {
+      maps.emplace_back(ranges[i].centres, ranges[i].count);
+      for (uint32_t first = 0; first < ranges[i].count; first += split_chunk)
+        pieces.push_back({i, first, std::min(split_chunk, ranges[i].count - first), Bins(maps[i].bins), 0, 0, {}});
     }
-    return best;
+    for_all(pieces.size(), [&](size_t i) {
+      Piece& piece = pieces[i];
+      piece.bins.add(place(ranges[piece.range]) + piece.first, piece.count, maps[piece.range]);
+    });
+    std::vector<Bins> sums;
+    std::vector<Split> splits;
+    for (const BinMap& map : maps) sums.emplace_back(map.bins);
+    for (const Piece& piece : pieces) sums[piece.range].add(piece.bins, maps[piece.range].bins);
+    for (size_t i = 0; i < ranges.size(); ++i) splits.push_back(sums[i].best_split(maps[i].bins));
+    std::vector<std::pair<uint32_t, uint32_t>> next;
+    for (const Split& split : splits) next.emplace_back(0, split.left_count);
+    for (Piece& piece : pieces) {
+      const Split& split = splits[piece.range];
+      if (split.axis < 0) continue;
+      auto& [left, right] = next[piece.range];
+      const uint32_t lefts = piece.bins.count_below(split.axis, split.bin);
+      piece.left = left, piece.right = right;
+      left += lefts, right += piece.count - lefts;
+    }
+    for_all(pieces.size(), [&](size_t i) {
+      Piece& piece = pieces[i];
+      const Range& range = ranges[piece.range];
+      const Split& split = splits[piece.range];
+      BoundedTriangle* const to = other_place(range);
+      if (split.axis >= 0)
+        piece.centres = partition(place(range) + piece.first, piece.count, maps[piece.range], split, to + piece.left,
+                                  to + piece.right);
+    });
+    std::vector<SideCentres> centres(ranges.size());
+    for (const Piece& piece : pieces) centres[piece.range].add(piece.centres);
+    std::vector<Range> large;
+    for (size_t i = 0; i < ranges.size(); ++i) {
+      if (splits[i].axis < 0) {
+        small.push_back(ranges[i]);
+        continue;
+      }
+      for (const Range& part : parts(ranges[i], splits[i], centres[i]))
+        (part.count > built_alone && part.depth < max_sah_depth ? large : small).push_back(part);
+    }
+    return large;
+  }
+
+  /// Writes the node of a range that has been partitioned, and returns the two parts.
+  std::array<Range, 2> parts(const Range& range, const Split& split, const SideCentres& centres) {
+    const uint32_t left = split.left_count;
+    write_node(range, left);
+    return {{{range.node + 1, range.first, left, range.depth + 1, !range.swapped, split.left, centres.left},
+             {range.node + left, range.first + left, range.count - left, range.depth + 1, !range.swapped, split.right,
+              centres.right}}};
+  }
+
+  void build(const Range& range) {
+    if (range.count <= FewTriangles::most) {
+      FewTriangles(place(range), range.count).build(range.node, &out_.nodes[0], &out_.triangles[range.first]);
+      return;
+    }
+    for (const Range& part : range.depth < max_sah_depth ? split(range) : halve(range)) build(part);
+  }
+
+  std::array<Range, 2> split(const Range& range) {
+    const BinMap map(range.centres, range.count);
+    Bins bins(map.bins);
+    bins.add(place(range), range.count, map);
+    const Split best = bins.best_split(map.bins);
+    if (best.axis < 0) return halves(range);
+    BoundedTriangle* const to = other_place(range);
+    return parts(range, best, partition(place(range), range.count, map, best, to, to + best.left_count));
+  }
+
+  /// Divides the range in the middle.
+  std::array<Range, 2> halves(const Range& range) {
+    const uint32_t left = range.count / 2;
+    write_node(range, left);
+    std::array<Range, 2> result = {
+        {{range.node + 1, range.first, left, range.depth + 1, range.swapped, {}, {}},
+         {range.node + left, range.first + left, range.count - left, range.depth + 1, range.swapped, {}, {}}}};
+    for (Range& half : result) find_boxes(half);
+    return result;
   }
 
   /// Halves the range at the median of the widest axis.
-  uint32_t halve(uint32_t first, uint32_t count, const Bounds& centres) {
+  std::array<Range, 2> halve(const Range& range) {
+    const Lanes extent = range.centres.size();
     int axis = 0;
     for (int other = 1; other < 3; ++other)
-      if (centres.max[other] - centres.min[other] > centres.max[axis] - centres.min[axis]) axis = other;
-    const auto begin = triangles_.begin() + first;
-    std::nth_element(begin, begin + count / 2, begin + count, [&](const BoundedTriangle& a, const BoundedTriangle& b) {
-      const float x = centre2(a, axis), y = centre2(b, axis);
-      return x != y ? x < y : a.triangle < b.triangle;
-    });
-    return count / 2;
+      if (extent[other] > extent[axis]) axis = other;
+    BoundedTriangle* const begin = place(range);
+    std::nth_element(begin, begin + range.count / 2, begin + range.count,
+                     [&](const BoundedTriangle& a, const BoundedTriangle& b) {
+                       const float x = a.lower[axis] - a.negated_upper[axis], y = b.lower[axis] - b.negated_upper[axis];
+                       return x != y ? x < y : a.triangle < b.triangle;
+                     });
+    return halves(range);
   }
 
-  std::vector<BoundedTriangle>& triangles_;
   BinaryBvh& out_;
-  ForkJoin fork_join_;
+  LargeArray<BoundedTriangle> other_;
+  unsigned threads_;
 };
 
 }  // namespace
 
-bool bound_triangle(std::span<const Vertex> vertices, const Triangle& triangle, Bounds& box) {
-  box = {};
-  for (const uint32_t index : {triangle.v0, triangle.v1, triangle.v2}) {
-    if (index >= vertices.size()) return false;
-    const float4& p = vertices[index].position;
-    for (const float coordinate : {p.x, p.y, p.z}) {
-      if (!(std::fabs(coordinate) <= bvh_coordinate_limit)) return false;
-    }
-    box.add(p.xyz());
-  }
-  return !is_degenerate(vertices[triangle.v0], vertices[triangle.v1], vertices[triangle.v2]);
-}
-
-BinaryBvh build_binary_bvh(std::vector<BoundedTriangle> triangles, unsigned threads) {
+BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, unsigned threads) {
   BinaryBvh result;
   if (triangles.empty()) return result;
-  result.nodes.resize(2 * triangles.size() - 1);
-  Builder(triangles, result, threads).build(0, 0, static_cast<uint32_t>(triangles.size()), 0);
-  result.order.reserve(triangles.size());
-  for (const BoundedTriangle& triangle : triangles) result.order.push_back(triangle.triangle);
+  result.nodes.resize(std::max<size_t>(1, triangles.size() - 1));
+  result.triangles = std::move(triangles);
+  Builder(result, threads).build();
   return result;
 }
 

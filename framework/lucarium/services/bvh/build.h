@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "lucarium/base/parallel.h"
+#include "lucarium/base/large_array.h"
 #include "lucarium/scene/bounds.h"
 #include "lucarium/shared/scene_types.h"
 
@@ -17,28 +17,55 @@ inline constexpr float bvh_coordinate_limit = 1e12f;
 /// that is not finite, or no area.
 bool bound_triangle(std::span<const Vertex> vertices, const Triangle& triangle, Bounds& box);
 
-struct BoundedTriangle {
-  Bounds box;
-  uint32_t triangle = 0;
+/// A box as two vectors of four words (BoxLanes): upper bounds are negated, so that a minimum grows the box at all
+/// sides. Both fourth words hold the triangle.
+struct alignas(32) BoundedTriangle {
+  float lower[3];
+  uint32_t triangle;
+  float negated_upper[3];
+  uint32_t triangle_again;
+
+  BoundedTriangle() = default;  // undefined
+  BoundedTriangle(const Bounds& box, uint32_t index)
+      : lower{box.min.x + 0.f, box.min.y + 0.f, box.min.z + 0.f},  // no negative zeros: a minimum keeps either zero
+        triangle(index),
+        negated_upper{-box.max.x, -box.max.y, -box.max.z},
+        triangle_again(index) {}
 };
 
-/// Binary hierarchy down to single triangles. A subtree of n triangles takes 2n − 1 consecutive nodes: the left child
-/// of node i is i + 1, the right one i + 2 · nodes[i + 1].count, so that subtrees can be built in parallel and the
-/// result does not depend on how.
-struct BinaryBvh {
-  struct Node {
-    Bounds box;
-    uint32_t first = 0, count = 0;  ///< triangles below, a range of `order`
-  };
-  std::vector<Node> nodes;
-  std::vector<uint32_t> order;  ///< triangle indices
+/// Those of triangles [first, first + count) that something can hit; appends the others to `ignored`.
+void bound_triangles(std::span<const Vertex> vertices, std::span<const Triangle> triangles, uint32_t first,
+                     uint32_t count, unsigned threads, LargeArray<BoundedTriangle>& bounded,
+                     std::vector<uint32_t>& ignored);
 
-  uint32_t left(uint32_t node) const { return node + 1; }
-  uint32_t right(uint32_t node) const { return node + 2 * nodes[node + 1].count; }
+/// Binary hierarchy down to single triangles. A subtree of n triangles takes n − 1 consecutive nodes, single triangles
+/// none: the left child of node i is i + 1, the right one i + left_count, so that subtrees can be built in parallel and
+/// the result does not depend on how.
+struct BinaryBvh {
+  struct alignas(32) Node {
+    float lower[3];
+    uint32_t left_count;  ///< triangles below the left child
+    float negated_upper[3];
+    uint32_t unused;
+  };
+  LargeArray<Node> nodes;
+  LargeArray<BoundedTriangle> triangles;  ///< those below a node stand together, the left child's first
+
+  /// `node` is that of the subtree's root, and means nothing where there is but one triangle.
+  struct Subtree {
+    uint32_t node, first, count;
+  };
+  Subtree root() const { return {0, 0, static_cast<uint32_t>(triangles.size())}; }
+  Subtree left(const Subtree& of) const { return {of.node + 1, of.first, nodes[of.node].left_count}; }
+  Subtree right(const Subtree& of) const {
+    const uint32_t left_count = nodes[of.node].left_count;
+    return {of.node + left_count, of.first + left_count, of.count - left_count};
+  }
 };
 
 /// Top-down build by the surface area heuristic with 16 bins on each of 3 axes (Wald, "On fast Construction of
-/// SAH-based Bounding Volume Hierarchies", 2007). Deterministic for any number of threads; depth at most 48 + log2(n).
-BinaryBvh build_binary_bvh(std::vector<BoundedTriangle> triangles, unsigned threads);
+/// SAH-based Bounding Volume Hierarchies", 2007), and all ways to divide four triangles or fewer. Deterministic for any
+/// number of threads; depth at most 48 + log2(n).
+BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, unsigned threads);
 
 }  // namespace lucarium

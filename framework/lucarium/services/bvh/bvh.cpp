@@ -76,10 +76,10 @@ BvhTraversal choose_traversal(BvhTraversal asked, const DeviceInfo& device) {
   return asked;
 }
 
-void write_words(TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words, bool all,
+void write_words(TypedBuffer<uint32_t>& buffer, const TwoLevelBvh::Words& words, bool all,
                  std::span<const std::pair<size_t, size_t>> changed) {
   if (all) {
-    buffer.upload(words);
+    if (!words.empty()) buffer.write(words.data(), sizeof(uint32_t) * words.size());
     return;
   }
   for (const auto& [first, end] : changed)
@@ -145,10 +145,14 @@ void Bvh::State::build_scene(const SceneBuffers& buffers) {
 /// Brings back the words that were given up after the upload.
 void Bvh::State::prepare_refit() {
   if (hierarchy.can_refit()) return;
-  if (hierarchy.released())
-    hierarchy.restore(nodes.download(0, hierarchy.node_word_count()), blocks.download(0, hierarchy.block_word_count()));
-  else
-    hierarchy.restore({}, {});
+  TwoLevelBvh::Words node_words, block_words;
+  if (hierarchy.released()) {
+    node_words.resize(hierarchy.node_word_count());
+    block_words.resize(hierarchy.block_word_count());
+    nodes.read(node_words.data(), sizeof(uint32_t) * node_words.size());
+    blocks.read(block_words.data(), sizeof(uint32_t) * block_words.size());
+  }
+  hierarchy.restore(std::move(node_words), std::move(block_words));
 }
 
 void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) {
@@ -172,7 +176,7 @@ void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) 
 /// what will be recorded stay usable. The old ones live until the last schedule that was recorded with them is gone.
 void Bvh::State::upload() {
   const char* const remedy = "use a scene with fewer triangles";
-  const auto too_small = [](const TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words) {
+  const auto too_small = [](const TypedBuffer<uint32_t>& buffer, const TwoLevelBvh::Words& words) {
     return !buffer || buffer.count() < words.size();
   };
   const bool new_nodes = too_small(nodes, hierarchy.node_words()),
@@ -181,7 +185,7 @@ void Bvh::State::upload() {
       (new_nodes ? 4 * hierarchy.node_words().size() : 0) + (new_blocks ? 4 * hierarchy.block_words().size() : 0);
   const bool all = !std::exchange(uploaded, false);
   if (bytes > 0) device->memory().require_total("bvh", "hierarchy", bytes, remedy);
-  const auto allocate = [&](const char* name, const std::vector<uint32_t>& words) {
+  const auto allocate = [&](const char* name, const TwoLevelBvh::Words& words) {
     return TypedBuffer<uint32_t>(*device, "bvh", name, std::max<size_t>(1, words.size()), remedy);
   };
   TypedBuffer<uint32_t> node_buffer = new_nodes ? allocate("nodes", hierarchy.node_words()) : nodes;

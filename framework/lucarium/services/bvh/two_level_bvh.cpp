@@ -36,25 +36,17 @@ void TwoLevelBvh::join(std::span<const size_t> changed) {
 
 void TwoLevelBvh::rebuild(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
   Tree& tree = trees_[part];
-  std::vector<BoundedTriangle> bounded;
+  LargeArray<BoundedTriangle> bounded;
   size_t count = 0;
   for (const TriangleRange& range : ranges_[part]) count += range.count;
   bounded.reserve(count);
   tree.ignored.clear();
-  for (const TriangleRange& range : ranges_[part]) {
-    for (uint32_t i = range.first; i < range.first + range.count; ++i) {
-      BoundedTriangle triangle;
-      triangle.triangle = i;
-      if (bound_triangle(vertices, triangles[i], triangle.box))
-        bounded.push_back(triangle);
-      else
-        tree.ignored.push_back(i);
-    }
-  }
+  for (const TriangleRange& range : ranges_[part])
+    bound_triangles(vertices, triangles, range.first, range.count, threads_, bounded, tree.ignored);
   tree.triangles = static_cast<uint32_t>(bounded.size());
   tree.tree = WideBvh(build_binary_bvh(std::move(bounded), threads_), width_, leaf_size_, threads_);
   require_reach(tree.tree.node_count(), tree.tree.block_count());
-  tree.tree.fit(vertices, triangles);
+  tree.tree.place_vertices(vertices, triangles, threads_);
   tree.built_cost = tree.tree.sah_cost();
   ++builds_;
 }
@@ -109,10 +101,10 @@ void TwoLevelBvh::release() {
   blocks_ = {};
 }
 
-void TwoLevelBvh::restore(std::vector<uint32_t> nodes, std::vector<uint32_t> blocks) {
+void TwoLevelBvh::restore(Words nodes, Words blocks) {
   keep_ = true;
   if (released()) nodes_ = std::move(nodes), blocks_ = std::move(blocks);
-  std::vector<uint32_t> joined = nodes_;
+  Words joined = nodes_;
   for_each_reference(0, node_count_, [&](uint32_t reference) {
     if (reference & LUCARIUM_BVH_LEAF) {
       return LUCARIUM_BVH_LEAF |
@@ -149,14 +141,10 @@ void TwoLevelBvh::write(std::span<const size_t> parts) {
 }
 
 void TwoLevelBvh::build_top() {
-  std::vector<Bounds> boxes;
-  std::vector<BoundedTriangle> items;
-  for (uint32_t part = 0; part < trees_.size(); ++part) {
-    boxes.push_back(trees_[part].tree.bounds());
-    if (trees_[part].triangles > 0) items.push_back({boxes.back(), part});
-  }
+  LargeArray<BoundedTriangle> items;
+  for (uint32_t part = 0; part < trees_.size(); ++part)
+    if (trees_[part].triangles > 0) items.emplace_back(trees_[part].tree.bounds(), part);
   top_ = WideBvh(build_binary_bvh(std::move(items), 1), width_, 1, 1);
-  top_.fit_items(boxes);
 }
 
 void TwoLevelBvh::copy_top() {

@@ -23,6 +23,7 @@ class TwoLevelBvh {
   /// A part is rebuilt when its SAH cost has grown by this factor since it was built.
   static constexpr double rebuild_ratio = 1.5;
 
+  using Words = WideBvh::Words;
   using Part = std::vector<TriangleRange>;
 
   TwoLevelBvh(int width, int leaf_size, unsigned threads) : width_(width), leaf_size_(leaf_size), threads_(threads) {}
@@ -42,15 +43,15 @@ class TwoLevelBvh {
   void release();
   /// From the words that release() gave up (node_word_count() and block_word_count() of them), or without them from
   /// those here.
-  void restore(std::vector<uint32_t> nodes, std::vector<uint32_t> blocks);
+  void restore(Words nodes, Words blocks);
   bool released() const { return nodes_.empty(); }
   size_t node_word_count() const { return node_word(node_count_); }
   size_t block_word_count() const { return block_word(block_count_); }
   size_t host_bytes() const;  ///< of all words here
 
   const std::vector<Part>& parts() const { return ranges_; }
-  const std::vector<uint32_t>& node_words() const { return nodes_; }
-  const std::vector<uint32_t>& block_words() const { return blocks_; }
+  const Words& node_words() const { return nodes_; }
+  const Words& block_words() const { return blocks_; }
   /// Words that the last build() or join() changed, as [first, end).
   std::span<const std::pair<size_t, size_t>> changed_nodes() const { return changed_nodes_; }
   std::span<const std::pair<size_t, size_t>> changed_blocks() const { return changed_blocks_; }
@@ -112,7 +113,7 @@ class TwoLevelBvh {
   std::vector<Tree> trees_;
   WideBvh top_;
   bool keep_ = false;  // the words of a single part stay after they were joined
-  std::vector<uint32_t> nodes_, blocks_;
+  Words nodes_, blocks_;
   std::vector<std::pair<size_t, size_t>> changed_nodes_, changed_blocks_;
   uint32_t node_count_ = 0, block_count_ = 0;
   uint64_t builds_ = 0, refits_ = 0;

@@ -10,10 +10,11 @@
 namespace lucarium {
 
 /// Wide hierarchy in the memory layout of kernels/lucarium/shared/bvh_layout.h. The topology (references and triangle
-/// indices) is made once on construction; fit() fills in boxes and vertices and may be repeated when vertices have
-/// moved.
+/// indices) and its boxes are made on construction; place_vertices() completes the leaves, and fit() brings everything
+/// up to date when vertices have moved.
 class WideBvh {
  public:
+  using Words = LargeArray<uint32_t>;
   static constexpr uint32_t no_child = 0xffffffffu;  ///< reference of an empty slot
 
   WideBvh() = default;
@@ -21,10 +22,10 @@ class WideBvh {
   /// children.
   WideBvh(const BinaryBvh& binary, int width, int leaf_size, unsigned threads);
 
+  /// Writes the vertices, of which the binary hierarchy was made, to the leaves.
+  void place_vertices(std::span<const Vertex> vertices, std::span<const Triangle> triangles, unsigned threads);
   /// Recomputes all boxes, leaf vertices and the cost.
   void fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
-  /// The same where the leaves hold, one each, items with these boxes instead of triangles.
-  void fit_items(std::span<const Bounds> boxes);
 
   int width() const { return width_; }
   int leaf_size() const { return leaf_size_; }
@@ -38,14 +39,12 @@ class WideBvh {
   uint32_t dead_count() const { return dead_count_; }
   const Bounds& bounds() const { return bounds_; }
 
-  const std::vector<uint32_t>& node_words() const { return nodes_; }
-  const std::vector<uint32_t>& block_words() const { return blocks_; }
+  const Words& node_words() const { return nodes_; }
+  const Words& block_words() const { return blocks_; }
   /// Moves the words out; counts, bounds and cost stay, but there is nothing left to fit.
-  std::pair<std::vector<uint32_t>, std::vector<uint32_t>> take_words() {
-    return {std::move(nodes_), std::move(blocks_)};
-  }
+  std::pair<Words, Words> take_words() { return {std::move(nodes_), std::move(blocks_)}; }
   /// Puts words back, as they were.
-  void put_words(std::vector<uint32_t> nodes, std::vector<uint32_t> blocks) {
+  void put_words(Words nodes, Words blocks) {
     nodes_ = std::move(nodes);
     blocks_ = std::move(blocks);
   }
@@ -55,14 +54,19 @@ class WideBvh {
   static size_t estimate_bytes(uint64_t triangles, int width, int leaf_size);
 
  private:
-  class Collapse;
-  uint32_t* node(size_t index) {
-    return &nodes_[LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<size_t>(width_))];
+  class Emission;
+  size_t node_word(size_t index) const {
+    return LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<size_t>(width_));
   }
+  uint32_t* node(size_t index) { return &nodes_[node_word(index)]; }
   size_t block_word(size_t block) const { return block * LUCARIUM_BVH_BLOCK_WORDS(static_cast<size_t>(leaf_size_)); }
-  /// Fills in all boxes, those of leaf blocks from leaf_box(block).
-  template <class LeafBox>
-  void fit_boxes(LeafBox&& leaf_box);
+  /// Calls visit(triangle) for those of a leaf block.
+  template <class Visit>
+  void for_each_id(size_t block, const Visit& visit) const {
+    const uint32_t* ids = &blocks_[block_word(block) + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_)];
+    for (int slot = 0; slot < leaf_size_ && ids[slot] != 0xffffffffu; ++slot) visit(ids[slot]);
+  }
+  void place_block(uint32_t* words, std::span<const Vertex> vertices, std::span<const Triangle> triangles) const;
   Bounds fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   void set_child_box(uint32_t node_index, int slot, const Bounds& box);
 
@@ -70,7 +74,7 @@ class WideBvh {
   uint32_t node_count_ = 0, block_count_ = 0, stack_size_ = 0, dead_count_ = 0;
   double sah_cost_ = 0;
   Bounds bounds_;
-  std::vector<uint32_t> nodes_, blocks_;
+  Words nodes_, blocks_;
 };
 
 }  // namespace lucarium

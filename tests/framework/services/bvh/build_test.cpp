@@ -14,14 +14,13 @@ using namespace lucarium::test;
 namespace {
 
 WideBvh build(const Soup& soup, int width, int leaf_size, unsigned threads = 2) {
-  std::vector<BoundedTriangle> bounded;
-  for (uint32_t i = 0; i < soup.triangles.size(); ++i) {
-    BoundedTriangle triangle;
-    triangle.triangle = i;
-    if (bound_triangle(soup.vertices, soup.triangles[i], triangle.box)) bounded.push_back(triangle);
-  }
+  LargeArray<BoundedTriangle> bounded;
+  std::vector<uint32_t> ignored;
+  bound_triangles(soup.vertices, soup.triangles, 0, static_cast<uint32_t>(soup.triangles.size()), threads, bounded,
+                  ignored);
+  CHECK(bounded.size() + ignored.size() == soup.triangles.size());
   WideBvh tree(build_binary_bvh(std::move(bounded), threads), width, leaf_size, threads);
-  tree.fit(soup.vertices, soup.triangles);
+  tree.place_vertices(soup.vertices, soup.triangles, threads);
   return tree;
 }
 

@@ -298,15 +298,14 @@ TEST_CASE("narrow nodes get more stack than the usual one") {
   // Coinciding corners, all boxes one within the other: 4-wide nodes need more than the 128 entries of most scenes.
   Tracer tracer;
   Soup nested;
-  std::vector<BoundedTriangle> bounded;
+  LargeArray<BoundedTriangle> bounded;
   std::vector<Ray> rays;
   for (uint32_t i = 0; i < 3000; ++i) {
     const float size = std::pow(0.98f, static_cast<float>(i));
     nested.add_triangle({0, 0, 0}, {size, 0, 0}, {0, size, 0});
-    BoundedTriangle triangle;
-    triangle.triangle = i;
-    REQUIRE(bound_triangle(nested.vertices, nested.triangles[i], triangle.box));
-    bounded.push_back(triangle);
+    Bounds box;
+    REQUIRE(bound_triangle(nested.vertices, nested.triangles[i], box));
+    bounded.emplace_back(box, i);
     rays.push_back(make_ray({0.25f * size, 0.25f * size, 1}, {0, 0, -1}));
   }
   CHECK(WideBvh(build_binary_bvh(bounded, 1), 4, 4, 1).stack_size() > 128);

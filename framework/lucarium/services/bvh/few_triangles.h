@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lowest levels of a binary hierarchy.
+#pragma once
+#include <cstdint>
+
+#include "lucarium/services/bvh/box_lanes.h"
+#include "lucarium/services/bvh/build.h"
+
+namespace lucarium {
+
+/// One to four triangles, divided at least cost by the surface area heuristic among all ways to divide them.
+class FewTriangles {
+ public:
+  static constexpr uint32_t most = 4;
+
+  FewTriangles(const BoundedTriangle* triangles, uint32_t count) : count_(count) {
+    for (uint32_t i = 0; i < count; ++i) triangles_[i] = triangles[i], boxes_[i] = BoxLanes(triangles[i]);
+  }
+
+  /// Writes nodes from number `node` on, and the triangles in their order.
+  void build(uint32_t node, BinaryBvh::Node* nodes, BoundedTriangle* place) {
+    if (count_ == 4)
+      build_four(nodes + node, place);
+    else if (count_ == 3)
+      build_three({0, 1, 2}, nodes + node, place);
+    else if (count_ == 2)
+      build_two(0, 1, nodes + node, place);
+    else
+      place[0] = triangles_[0];
+  }
+
+ private:
+  struct Three {
+    int of[3];
+  };
+
+  static void write(BinaryBvh::Node& node, const BoxLanes& box, uint32_t left_count) {
+    box.store(node);
+    node.left_count = left_count;
+  }
+
+  void build_two(int a, int b, BinaryBvh::Node* node, BoundedTriangle* place) {
+    write(*node, joined(boxes_[a], boxes_[b]), 1);
+    place[0] = triangles_[a];
+    place[1] = triangles_[b];
+  }
+
+  /// A pair and a single one.
+  void build_three(const Three& three, BinaryBvh::Node* node, BoundedTriangle* place) {
+    const BoxLanes &a = boxes_[three.of[0]], &b = boxes_[three.of[1]], &c = boxes_[three.of[2]];
+    const BoxLanes ab = joined(a, b);
+    const Lanes cost = splat(2) * half_areas(ab, joined(a, c), joined(b, c)) + half_areas(c, b, a);
+    constexpr Three ways[] = {{0, 1, 2}, {0, 2, 1}, {1, 2, 0}};
+    const Three& way = ways[cost[2] < cost[0] && cost[2] < cost[1] ? 2 : cost[1] < cost[0] ? 1 : 0];
+    write(*node, joined(ab, c), 2);
+    build_two(three.of[way.of[0]], three.of[way.of[1]], node + 1, place);
+    place[2] = triangles_[three.of[way.of[2]]];
+  }
+
+  /// Three and a single one, or two pairs.
+  void build_four(BinaryBvh::Node* node, BoundedTriangle* place) {
+    const BoxLanes &a = boxes_[0], &b = boxes_[1], &c = boxes_[2], &d = boxes_[3];
+    const BoxLanes ab = joined(a, b), ac = joined(a, c), ad = joined(a, d);
+    const BoxLanes bc = joined(b, c), bd = joined(b, d), cd = joined(c, d);
+    const Lanes pairs = splat(2) * (half_areas(ab, ac, ad) + half_areas(cd, bd, bc));
+    const Lanes singles = splat(3) * half_areas(joined(ab, c), joined(ab, d), joined(ac, d)) + half_areas(d, c, b);
+    const Lanes last = half_areas(joined(bc, d), a, a);
+    const float costs[] = {pairs[0], pairs[1], pairs[2], singles[0], singles[1], singles[2], 3 * last[0] + last[1]};
+    int best = 0;
+    for (int way = 1; way < 7; ++way) best = costs[way] < costs[best] ? way : best;
+    constexpr int ways[7][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}, {0, 1, 2, 3},
+                                {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
+    const int* const way = ways[best];
+    const uint32_t left = best < 3 ? 2 : 3;
+    write(*node, joined(ab, cd), left);
+    if (left == 2) {
+      build_two(way[0], way[1], node + 1, place);
+      build_two(way[2], way[3], node + 2, place + 2);
+    } else {
+      build_three({way[0], way[1], way[2]}, node + 1, place);
+      place[3] = triangles_[way[3]];
+    }
+  }
+
+  uint32_t count_;
+  BoundedTriangle triangles_[most];
+  BoxLanes boxes_[most];
+};
+
+}  // namespace lucarium
