@@ -27,8 +27,7 @@ class Arrangement {
         continue;
       }
       const BinaryBvh::Subtree& root = roots.of[i];
-      const BoxLanes box = root.count == 1 ? BoxLanes(binary.triangles[root.first]) : BoxLanes(binary.nodes[root.node]);
-      const Lanes centre = box.centre2();
+      const Lanes centre = binary.box(root).centre2();
       for (int axis = 0; axis < 3; ++axis) centre2_[axis][i] = centre[axis];
       ease_[i] = 1 / plan.visits(root);
     }

@@ -2,8 +2,6 @@
 // Which triangles a hierarchy holds (build.h).
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstring>
 
 #include "lucarium/base/parallel.h"
 #include "lucarium/scene/device/degenerate_triangle.h"
@@ -15,13 +13,6 @@ namespace lucarium {
 namespace {
 
 constexpr uint32_t bound_chunk = 8192;  // triangles that a thread takes at a time
-
-Lanes load_position(const Vertex& vertex) {
-  Lanes lanes;
-  static_assert(offsetof(Vertex, position) == 0 && sizeof(vertex.position) == sizeof(lanes));
-  std::memcpy(&lanes, &vertex, sizeof(lanes));
-  return lanes;
-}
 
 Lanes magnitude(Lanes value) {
   return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(value) & splat_int(0x7fffffff));

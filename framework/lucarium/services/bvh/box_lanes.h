@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Boxes in vectors of four floats, for the builds of hierarchies.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
 #include "lucarium/scene/bounds.h"
+#include "lucarium/shared/scene_types.h"
 
 namespace lucarium {
 
@@ -15,6 +17,23 @@ inline Lanes splat(float value) { return Lanes{value, value, value, value}; }
 inline IntLanes splat_int(int32_t value) { return IntLanes{value, value, value, value}; }
 inline Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
 
+inline Lanes load_position(const Vertex& vertex) {
+  Lanes lanes;
+  static_assert(offsetof(Vertex, position) == 0 && sizeof(vertex.position) == sizeof(lanes));
+  std::memcpy(&lanes, &vertex, sizeof(lanes));
+  return lanes;
+}
+
+struct PointsInLanes {
+  Lanes x, y, z;
+};
+inline PointsInLanes transposed(Lanes a, Lanes b, Lanes c, Lanes d) {
+  const Lanes low = __builtin_shufflevector(a, b, 0, 4, 1, 5), low2 = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const Lanes high = __builtin_shufflevector(a, b, 2, 6, 3, 7), high2 = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  return {__builtin_shufflevector(low, low2, 0, 1, 4, 5), __builtin_shufflevector(low, low2, 2, 3, 6, 7),
+          __builtin_shufflevector(high, high2, 0, 1, 4, 5)};
+}
+
 /// The first three lanes of each are a box; what the fourth hold means nothing.
 struct BoxLanes {
   Lanes lower, negated_upper;
@@ -24,7 +43,7 @@ struct BoxLanes {
   /// From a record of 32 bytes that begins like a BoundedTriangle.
   template <class Record>
   explicit BoxLanes(const Record& record) {
-    static_assert(sizeof(Record) == 32 && alignof(Record) == 32);
+    static_assert(sizeof(Record) == 32 && alignof(Record) == 16);
     std::memcpy(&lower, record.lower, sizeof(lower));
     std::memcpy(&negated_upper, record.negated_upper, sizeof(negated_upper));
   }

@@ -148,7 +148,8 @@ class Builder {
 
   void build(const Range& range) {
     if (range.count <= FewTriangles::most) {
-      FewTriangles(place(range), range.count).build(range.node, &out_.nodes[0], &out_.triangles[range.first]);
+      FewTriangles(place(range), range.count, out_.undivided)
+          .build(&out_.nodes[0] + range.node, &out_.triangles[range.first]);
       return;
     }
     for (const Range& part : range.depth < max_sah_depth ? split(range) : halve(range)) build(part);
@@ -197,8 +198,9 @@ class Builder {
 
 }  // namespace
 
-BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, unsigned threads) {
+BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, uint32_t undivided, unsigned threads) {
   BinaryBvh result;
+  result.undivided = undivided;
   if (triangles.empty()) return result;
   result.nodes.resize(std::max<size_t>(1, triangles.size() - 1));
   result.triangles = std::move(triangles);

@@ -6,6 +6,7 @@
 
 #include "lucarium/base/large_array.h"
 #include "lucarium/scene/bounds.h"
+#include "lucarium/services/bvh/box_lanes.h"
 #include "lucarium/shared/scene_types.h"
 
 namespace lucarium {
@@ -19,7 +20,7 @@ bool bound_triangle(std::span<const Vertex> vertices, const Triangle& triangle, 
 
 /// A box as two vectors of four words (BoxLanes): upper bounds are negated, so that a minimum grows the box at all
 /// sides. Both fourth words hold the triangle.
-struct alignas(32) BoundedTriangle {
+struct alignas(16) BoundedTriangle {
   float lower[3];
   uint32_t triangle;
   float negated_upper[3];
@@ -38,11 +39,11 @@ void bound_triangles(std::span<const Vertex> vertices, std::span<const Triangle>
                      uint32_t count, unsigned threads, LargeArray<BoundedTriangle>& bounded,
                      std::vector<uint32_t>& ignored);
 
-/// Binary hierarchy down to single triangles. A subtree of n triangles takes n − 1 consecutive nodes, single triangles
-/// none: the left child of node i is i + 1, the right one i + left_count, so that subtrees can be built in parallel and
-/// the result does not depend on how.
+/// Binary hierarchy down to a few triangles. A subtree of n triangles has n − 1 consecutive nodes to itself, single
+/// triangles none: the left child of node i is i + 1, the right one i + left_count, so that subtrees can be built in
+/// parallel and the result does not depend on how.
 struct BinaryBvh {
-  struct alignas(32) Node {
+  struct alignas(16) Node {
     float lower[3];
     uint32_t left_count;  ///< triangles below the left child
     float negated_upper[3];
@@ -50,6 +51,7 @@ struct BinaryBvh {
   };
   LargeArray<Node> nodes;
   LargeArray<BoundedTriangle> triangles;  ///< those below a node stand together, the left child's first
+  uint32_t undivided = 1;                 ///< subtrees of so many triangles have no children
 
   /// `node` is that of the subtree's root, and means nothing where there is but one triangle.
   struct Subtree {
@@ -61,11 +63,14 @@ struct BinaryBvh {
     const uint32_t left_count = nodes[of.node].left_count;
     return {of.node + left_count, of.first + left_count, of.count - left_count};
   }
+  BoxLanes box(const Subtree& of) const {
+    return of.count == 1 ? BoxLanes(triangles[of.first]) : BoxLanes(nodes[of.node]);
+  }
 };
 
-/// Top-down build by the surface area heuristic with 16 bins on each of 3 axes (Wald, "On fast Construction of
-/// SAH-based Bounding Volume Hierarchies", 2007), and all ways to divide four triangles or fewer. Deterministic for any
-/// number of threads; depth at most 48 + log2(n).
-BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, unsigned threads);
+/// Top-down build by the surface area heuristic with 4 to 32 bins on each of 3 axes (Wald, "On fast Construction of
+/// SAH-based Bounding Volume Hierarchies", 2007), and all ways to divide four triangles or fewer; ranges of `undivided`
+/// triangles stay whole. Deterministic for any number of threads; depth at most 48 + log2(n).
+BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, uint32_t undivided, unsigned threads);
 
 }  // namespace lucarium

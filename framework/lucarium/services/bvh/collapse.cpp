@@ -82,9 +82,9 @@ CollapsePlan::CollapsePlan(const BinaryBvh& binary, int width, int leaf_size, un
 }
 
 void CollapsePlan::plan(const Subtree& subtree, Costs& costs) {
-  if (subtree.count == 1) {
+  if (subtree.count <= binary_.undivided) {
     costs.fill(INFINITY);
-    costs[0] = half_area(BoxLanes(binary_.triangles[subtree.first]));
+    std::fill_n(costs.begin(), subtree.count, half_area(binary_.box(subtree)));
     return;
   }
   Costs left, right;
@@ -115,8 +115,8 @@ void CollapsePlan::choose(const Subtree& subtree, const Costs& left, const Costs
 
 CollapsePlan::Roots CollapsePlan::children(const Subtree& subtree) const {
   Roots roots;
-  if (subtree.count < 2) {
-    if (subtree.count == 1) roots.of[roots.count++] = subtree;
+  if (subtree.count <= binary_.undivided) {
+    if (subtree.count > 0) roots.of[roots.count++] = subtree;
     return roots;
   }
   const uint32_t left = choices_[subtree.node].roots_left[0];
@@ -126,7 +126,7 @@ CollapsePlan::Roots CollapsePlan::children(const Subtree& subtree) const {
 }
 
 void CollapsePlan::collect(const Subtree& subtree, uint32_t roots, Roots& out) const {
-  roots = std::min(roots, subtree.count);
+  roots = subtree.count <= binary_.undivided ? 1 : std::min(roots, subtree.count);
   while (roots > 1 && choices_[subtree.node].roots_left[roots] == 0) --roots;
   if (roots == 1) {
     out.of[out.count++] = subtree;

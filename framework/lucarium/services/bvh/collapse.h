@@ -17,7 +17,7 @@ class CollapsePlan {
   static constexpr int max_width = 16;
   using Subtree = BinaryBvh::Subtree;
 
-  /// `binary` must stay.
+  /// `binary` must stay. What it has not divided fits into leaves.
   CollapsePlan(const BinaryBvh& binary, int width, int leaf_size, unsigned threads);
 
   /// Subtrees as which a wide node's children represent this one, in their order.
@@ -26,9 +26,13 @@ class CollapsePlan {
     uint32_t count = 0;
   };
   Roots children(const Subtree& subtree) const;
-  bool is_leaf(const Subtree& subtree) const { return subtree.count == 1 || choices_[subtree.node].roots_left[1]; }
+  bool is_leaf(const Subtree& subtree) const {
+    return subtree.count <= binary_.undivided || choices_[subtree.node].roots_left[1];
+  }
   /// Expected number of nodes and leaf blocks of a subtree that a ray visits which enters it.
-  float visits(const Subtree& subtree) const { return subtree.count == 1 ? 1 : choices_[subtree.node].visits; }
+  float visits(const Subtree& subtree) const {
+    return subtree.count <= binary_.undivided ? 1 : choices_[subtree.node].visits;
+  }
 
  private:
   /// [j − 1]: with at most j roots; infinite where there are fewer triangles than j.

@@ -8,23 +8,25 @@
 
 namespace lucarium {
 
-/// One to four triangles, divided at least cost by the surface area heuristic among all ways to divide them.
+/// One to four triangles, divided at least cost by the surface area heuristic among all ways to divide them. So many as
+/// may stay undivided, fewer than four, get one node.
 class FewTriangles {
  public:
   static constexpr uint32_t most = 4;
 
-  FewTriangles(const BoundedTriangle* triangles, uint32_t count) : count_(count) {
+  FewTriangles(const BoundedTriangle* triangles, uint32_t count, uint32_t undivided)
+      : count_(count), undivided_(undivided) {
     for (uint32_t i = 0; i < count; ++i) triangles_[i] = triangles[i], boxes_[i] = BoxLanes(triangles[i]);
   }
 
-  /// Writes nodes from number `node` on, and the triangles in their order.
-  void build(uint32_t node, BinaryBvh::Node* nodes, BoundedTriangle* place) {
+  /// Writes the nodes, and the triangles in their order.
+  void build(BinaryBvh::Node* node, BoundedTriangle* place) {
     if (count_ == 4)
-      build_four(nodes + node, place);
+      build_four(node, place);
     else if (count_ == 3)
-      build_three({0, 1, 2}, nodes + node, place);
+      build_three({0, 1, 2}, node, place);
     else if (count_ == 2)
-      build_two(0, 1, nodes + node, place);
+      build_two(0, 1, node, place);
     else
       place[0] = triangles_[0];
   }
@@ -49,10 +51,14 @@ class FewTriangles {
   void build_three(const Three& three, BinaryBvh::Node* node, BoundedTriangle* place) {
     const BoxLanes &a = boxes_[three.of[0]], &b = boxes_[three.of[1]], &c = boxes_[three.of[2]];
     const BoxLanes ab = joined(a, b);
+    write(*node, joined(ab, c), 2);
+    if (undivided_ >= 3) {
+      for (int i = 0; i < 3; ++i) place[i] = triangles_[three.of[i]];
+      return;
+    }
     const Lanes cost = splat(2) * half_areas(ab, joined(a, c), joined(b, c)) + half_areas(c, b, a);
     constexpr Three ways[] = {{0, 1, 2}, {0, 2, 1}, {1, 2, 0}};
     const Three& way = ways[cost[2] < cost[0] && cost[2] < cost[1] ? 2 : cost[1] < cost[0] ? 1 : 0];
-    write(*node, joined(ab, c), 2);
     build_two(three.of[way.of[0]], three.of[way.of[1]], node + 1, place);
     place[2] = triangles_[three.of[way.of[2]]];
   }
@@ -82,7 +88,7 @@ class FewTriangles {
     }
   }
 
-  uint32_t count_;
+  uint32_t count_, undivided_;
   BoundedTriangle triangles_[most];
   BoxLanes boxes_[most];
 };

@@ -44,9 +44,9 @@ void TwoLevelBvh::rebuild(size_t part, std::span<const Vertex> vertices, std::sp
   for (const TriangleRange& range : ranges_[part])
     bound_triangles(vertices, triangles, range.first, range.count, threads_, bounded, tree.ignored);
   tree.triangles = static_cast<uint32_t>(bounded.size());
-  tree.tree = WideBvh(build_binary_bvh(std::move(bounded), threads_), width_, leaf_size_, threads_);
+  tree.tree = WideBvh(build_binary_bvh(std::move(bounded), WideBvh::undivided(leaf_size_), threads_), width_,
+                      leaf_size_, {vertices, triangles}, threads_);
   require_reach(tree.tree.node_count(), tree.tree.block_count());
-  tree.tree.place_vertices(vertices, triangles, threads_);
   tree.built_cost = tree.tree.sah_cost();
   ++builds_;
 }
@@ -144,7 +144,7 @@ void TwoLevelBvh::build_top() {
   LargeArray<BoundedTriangle> items;
   for (uint32_t part = 0; part < trees_.size(); ++part)
     if (trees_[part].triangles > 0) items.emplace_back(trees_[part].tree.bounds(), part);
-  top_ = WideBvh(build_binary_bvh(std::move(items), 1), width_, 1, 1);
+  top_ = WideBvh(build_binary_bvh(std::move(items), 1, 1), width_, 1, {}, 1);
 }
 
 void TwoLevelBvh::copy_top() {

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 
-#include "lucarium/base/parallel.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {
@@ -37,42 +36,6 @@ Bounds WideBvh::fit_block(uint32_t block, std::span<const Vertex> vertices, std:
     }
   }
   return bounds;
-}
-
-void WideBvh::place_vertices(std::span<const Vertex> vertices, std::span<const Triangle> triangles, unsigned threads) {
-  constexpr size_t run = 512;
-  parallel_jobs((block_count_ + run - 1) / run, std::min(threads, block_count_ / 1024 + 1),
-                [&] {
-                  return [&](size_t job) {
-                    const size_t end = std::min<size_t>(block_count_, (job + 1) * run);
-                    for (size_t block = job * run; block < end; ++block) {
-                      // What later blocks need lies anywhere.
-                      if (block + 8 < end)
-                        for_each_id(block + 8, [&](uint32_t id) { __builtin_prefetch(&triangles[id]); });
-                      if (block + 4 < end)
-                        for_each_id(block + 4, [&](uint32_t id) {
-                          __builtin_prefetch(&vertices[triangles[id].v0]);
-                          __builtin_prefetch(&vertices[triangles[id].v1]);
-                          __builtin_prefetch(&vertices[triangles[id].v2]);
-                        });
-                      place_block(&blocks_[block_word(block)], vertices, triangles);
-                    }
-                  };
-                },
-                [](size_t) {});
-}
-
-void WideBvh::place_block(uint32_t* words, std::span<const Vertex> vertices,
-                          std::span<const Triangle> triangles) const {
-  const uint32_t* ids = words + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_);
-  for (int slot = 0; slot < leaf_size_ && ids[slot] != LUCARIUM_NO_HIT; ++slot) {
-    const Triangle& triangle = triangles[ids[slot]];
-    uint32_t* word = words + slot;
-    for (const uint32_t corner : {triangle.v0, triangle.v1, triangle.v2}) {
-      const float4& p = vertices[corner].position;
-      for (const float coordinate : {p.x, p.y, p.z}) *word = std::bit_cast<uint32_t>(coordinate), word += leaf_size_;
-    }
-  }
 }
 
 void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles) {

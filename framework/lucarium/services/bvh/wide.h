@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,20 +11,25 @@
 namespace lucarium {
 
 /// Wide hierarchy in the memory layout of kernels/lucarium/shared/bvh_layout.h. The topology (references and triangle
-/// indices) and its boxes are made on construction; place_vertices() completes the leaves, and fit() brings everything
-/// up to date when vertices have moved.
+/// indices) is made once on construction; fit() brings boxes and vertices up to date and may be repeated when vertices
+/// have moved.
 class WideBvh {
  public:
   using Words = LargeArray<uint32_t>;
   static constexpr uint32_t no_child = 0xffffffffu;  ///< reference of an empty slot
 
   WideBvh() = default;
+  /// What the binary hierarchy was made of; nothing where that were items with boxes, which have no vertices.
+  struct Geometry {
+    std::span<const Vertex> vertices;
+    std::span<const Triangle> triangles;
+  };
   /// `width` children per node, up to `leaf_size` triangles per leaf block. An empty hierarchy gets a root without
   /// children.
-  WideBvh(const BinaryBvh& binary, int width, int leaf_size, unsigned threads);
+  WideBvh(const BinaryBvh& binary, int width, int leaf_size, const Geometry& geometry, unsigned threads);
+  /// Triangles that the binary hierarchy need not divide: where leaves are large, less than that is hardly a leaf.
+  static uint32_t undivided(int leaf_size) { return static_cast<uint32_t>(std::max(1, 3 * leaf_size / 8)); }
 
-  /// Writes the vertices, of which the binary hierarchy was made, to the leaves.
-  void place_vertices(std::span<const Vertex> vertices, std::span<const Triangle> triangles, unsigned threads);
   /// Recomputes all boxes, leaf vertices and the cost.
   void fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
 
@@ -60,13 +66,6 @@ class WideBvh {
   }
   uint32_t* node(size_t index) { return &nodes_[node_word(index)]; }
   size_t block_word(size_t block) const { return block * LUCARIUM_BVH_BLOCK_WORDS(static_cast<size_t>(leaf_size_)); }
-  /// Calls visit(triangle) for those of a leaf block.
-  template <class Visit>
-  void for_each_id(size_t block, const Visit& visit) const {
-    const uint32_t* ids = &blocks_[block_word(block) + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_)];
-    for (int slot = 0; slot < leaf_size_ && ids[slot] != 0xffffffffu; ++slot) visit(ids[slot]);
-  }
-  void place_block(uint32_t* words, std::span<const Vertex> vertices, std::span<const Triangle> triangles) const;
   Bounds fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   void set_child_box(uint32_t node_index, int slot, const Bounds& box);
 

@@ -2,6 +2,7 @@
 // Construction of a wide hierarchy (wide.h) from a binary one.
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "lucarium/base/parallel.h"
 #include "lucarium/services/bvh/arrange.h"
@@ -22,8 +23,12 @@ constexpr uint32_t emitted_alone = 4096;  // triangles of a subtree that is left
 /// go is known when all are collected.
 class WideBvh::Emission {
  public:
-  Emission(const BinaryBvh& binary, WideBvh& out, unsigned threads)
-      : binary_(binary), out_(out), threads_(threads), plan_(binary, out.width_, out.leaf_size_, threads) {}
+  Emission(const BinaryBvh& binary, WideBvh& out, const Geometry& geometry, unsigned threads)
+      : binary_(binary),
+        out_(out),
+        geometry_(geometry),
+        threads_(threads),
+        plan_(binary, out.width_, out.leaf_size_, threads) {}
 
   void run() {
     top_.nodes.reserve(256);
@@ -34,7 +39,10 @@ class WideBvh::Emission {
     out_.nodes_.resize(out_.node_word(out_.node_count_));
     out_.blocks_.resize(out_.block_word(out_.block_count_));
     std::fill_n(out_.nodes_.begin(), LUCARIUM_BVH_HEADER_WORDS, 0u);
-    for_all_parts([&](Part& part) { write(part); });
+    for_all_parts([&](Part& part) {
+      write(part);
+      write_blocks(part);
+    });
     write(top_);
     sum_up();
   }
@@ -53,7 +61,8 @@ class WideBvh::Emission {
   struct Part {
     Subtree root = {};
     std::vector<Node> nodes = {};
-    uint32_t blocks = 0, stack = 0;
+    std::vector<Subtree> leaves = {};
+    uint32_t stack = 0;
     uint32_t first_node = 0, first_block = 0;
     double area = 0;  // of all children
   };
@@ -101,9 +110,12 @@ class WideBvh::Emission {
       if (child.count == 0) continue;
       ++count;
       const bool leaf = plan_.is_leaf(child);
-      part.nodes[self].references[slot] =
-          leaf ? LUCARIUM_BVH_LEAF | part.blocks++ : static_cast<uint32_t>(part.nodes.size());
-      if (!leaf) deepest = std::max(deepest, collect(part, child));
+      part.nodes[self].references[slot] = leaf ? LUCARIUM_BVH_LEAF | static_cast<uint32_t>(part.leaves.size())
+                                               : static_cast<uint32_t>(part.nodes.size());
+      if (leaf)
+        part.leaves.push_back(child);
+      else
+        deepest = std::max(deepest, collect(part, child));
     }
     return count + deepest;
   }
@@ -121,7 +133,7 @@ class WideBvh::Emission {
         part.first_node = out_.node_count_;
         part.first_block = out_.block_count_;
         out_.node_count_ += static_cast<uint32_t>(part.nodes.size());
-        out_.block_count_ += part.blocks;
+        out_.block_count_ += static_cast<uint32_t>(part.leaves.size());
       } else {
         place(reference);
       }
@@ -154,8 +166,8 @@ class WideBvh::Emission {
         uint32_t reference = node.references[slot];
         if (reference != no_child) {
           if (reference & LUCARIUM_BVH_LEAF) {
+            if (top) write_block(reference & ~LUCARIUM_BVH_LEAF, node.slots.of[slot]);
             reference += part.first_block;
-            write_block(reference & ~LUCARIUM_BVH_LEAF, node.slots.of[slot]);
           } else if (!top) {
             reference += part.first_node;
           } else {
@@ -169,17 +181,52 @@ class WideBvh::Emission {
 
   Bounds child_box(const Subtree& child) const {
     if (child.count == 0) return {};
-    return child.count == 1 ? BoxLanes(binary_.triangles[child.first]).box()
-                            : BoxLanes(binary_.nodes[child.node]).box();
+    return binary_.box(child).box();
+  }
+
+  void write_blocks(const Part& part) {
+    if (!geometry_.triangles.empty()) {
+      // Blocks are in another order than triangles, so that what they need is found slowly one by one: it is asked for
+      // at once. (A function that does no more than this counts as without effect.)
+      const std::span<const BoundedTriangle> below(&binary_.triangles[part.root.first], part.root.count);
+      for (const BoundedTriangle& each : below) __builtin_prefetch(&geometry_.triangles[each.triangle]);
+      for (const BoundedTriangle& each : below) {
+        const Triangle& triangle = geometry_.triangles[each.triangle];
+        __builtin_prefetch(&geometry_.vertices[triangle.v0]);
+        __builtin_prefetch(&geometry_.vertices[triangle.v1]);
+        __builtin_prefetch(&geometry_.vertices[triangle.v2]);
+      }
+    }
+    uint32_t block = part.first_block;
+    for (const Subtree& leaf : part.leaves) write_block(block++, leaf);
   }
 
   void write_block(uint32_t block, const Subtree& leaf) {
     const auto size = static_cast<uint32_t>(out_.leaf_size_);
     uint32_t* const words = &out_.blocks_[out_.block_word(block)];
-    std::fill_n(words, LUCARIUM_BVH_BLOCK_TRIANGLES(size), 0u);
     uint32_t* const ids = words + LUCARIUM_BVH_BLOCK_TRIANGLES(size);
     for (uint32_t slot = 0; slot < size; ++slot)
       ids[slot] = slot < leaf.count ? binary_.triangles[leaf.first + slot].triangle : LUCARIUM_NO_HIT;
+    if (geometry_.triangles.empty() || size % 4) {
+      std::fill_n(words, LUCARIUM_BVH_BLOCK_TRIANGLES(size), 0u);
+      return;
+    }
+    for (uint32_t four = 0; four < size; four += 4) {
+      Lanes corners[4][3] = {};  // those of empty slots are zero
+      for (uint32_t slot = four; slot < std::min(four + 4, leaf.count); ++slot) {
+        const Triangle& triangle = geometry_.triangles[ids[slot]];
+        corners[slot - four][0] = load_position(geometry_.vertices[triangle.v0]);
+        corners[slot - four][1] = load_position(geometry_.vertices[triangle.v1]);
+        corners[slot - four][2] = load_position(geometry_.vertices[triangle.v2]);
+      }
+      for (uint32_t corner = 0; corner < 3; ++corner) {
+        const auto [x, y, z] =
+            transposed(corners[0][corner], corners[1][corner], corners[2][corner], corners[3][corner]);
+        std::memcpy(words + (3 * corner + 0) * size + four, &x, sizeof(x));
+        std::memcpy(words + (3 * corner + 1) * size + four, &y, sizeof(y));
+        std::memcpy(words + (3 * corner + 2) * size + four, &z, sizeof(z));
+      }
+    }
   }
 
   void sum_up() {
@@ -192,15 +239,16 @@ class WideBvh::Emission {
 
   const BinaryBvh& binary_;
   WideBvh& out_;
+  const Geometry& geometry_;
   unsigned threads_;
   CollapsePlan plan_;
   Part top_;
   std::vector<Part> parts_;
 };
 
-WideBvh::WideBvh(const BinaryBvh& binary, int width, int leaf_size, unsigned threads)
+WideBvh::WideBvh(const BinaryBvh& binary, int width, int leaf_size, const Geometry& geometry, unsigned threads)
     : width_(width), leaf_size_(leaf_size) {
-  Emission(binary, *this, threads).run();
+  Emission(binary, *this, geometry, threads).run();
 }
 
 }  // namespace lucarium

@@ -19,9 +19,11 @@ WideBvh build(const Soup& soup, int width, int leaf_size, unsigned threads = 2) 
   bound_triangles(soup.vertices, soup.triangles, 0, static_cast<uint32_t>(soup.triangles.size()), threads, bounded,
                   ignored);
   CHECK(bounded.size() + ignored.size() == soup.triangles.size());
-  WideBvh tree(build_binary_bvh(std::move(bounded), threads), width, leaf_size, threads);
-  tree.place_vertices(soup.vertices, soup.triangles, threads);
-  return tree;
+  return {build_binary_bvh(std::move(bounded), WideBvh::undivided(leaf_size), threads),
+          width,
+          leaf_size,
+          {soup.vertices, soup.triangles},
+          threads};
 }
 
 /// Walks a tree as a traversal kernel that misses nothing would.
