@@ -24,7 +24,7 @@
 #define LUCARIUM_BVH_ORDER_MASK(word, octant) (((word) >> (4u * (octant))) & 15u)
 
 // A reference is the word where a node starts in the node buffer, or this flag and the word where a leaf block starts
-// in the block buffer, so that traversal need not multiply. (WideBvh, which is not placed yet, holds indices instead.)
+// in the block buffer, so that traversal need not multiply.
 #define LUCARIUM_BVH_LEAF 0x80000000u
 #define LUCARIUM_BVH_ROOT LUCARIUM_BVH_HEADER_WORDS
 

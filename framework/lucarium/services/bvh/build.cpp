@@ -77,6 +77,7 @@ class Builder {
     BinaryBvh::Node& node = out_.nodes[range.node];
     range.box.store(node);
     node.left_count = left_count;
+    node.right = range.node + left_count;
   }
 
   /// Large ranges, all of a level at once: threads share their triangles. Returns those parts that are large again.
@@ -146,13 +147,15 @@ class Builder {
               centres.right}}};
   }
 
-  void build(const Range& range) {
-    if (range.count <= FewTriangles::most) {
-      FewTriangles(place(range), range.count, out_.undivided)
-          .build(&out_.nodes[0] + range.node, &out_.triangles[range.first]);
-      return;
-    }
-    for (const Range& part : range.depth < max_sah_depth ? split(range) : halve(range)) build(part);
+  /// Returns the node behind the last one that the range uses.
+  uint32_t build(const Range& range) {
+    if (range.count <= FewTriangles::most)
+      return FewTriangles(place(range), range.count, out_.undivided)
+          .build(out_.nodes.data(), range.node, &out_.triangles[range.first]);
+    auto [left, right] = range.depth < max_sah_depth ? split(range) : halve(range);
+    right.node = build(left);
+    out_.nodes[range.node].right = right.node;
+    return build(right);
   }
 
   std::array<Range, 2> split(const Range& range) {

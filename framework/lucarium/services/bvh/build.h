@@ -39,15 +39,15 @@ void bound_triangles(std::span<const Vertex> vertices, std::span<const Triangle>
                      uint32_t count, unsigned threads, LargeArray<BoundedTriangle>& bounded,
                      std::vector<uint32_t>& ignored);
 
-/// Binary hierarchy down to a few triangles. A subtree of n triangles has n − 1 consecutive nodes to itself, single
-/// triangles none: the left child of node i is i + 1, the right one i + left_count, so that subtrees can be built in
-/// parallel and the result does not depend on how.
+/// Binary hierarchy down to a few triangles. Single triangles have no nodes. The left child of node i is i + 1, and a
+/// subtree of n triangles has n − 1 consecutive nodes to itself, of which it uses some, so that subtrees can be built
+/// in parallel. Where nodes lie may depend on how, the hierarchy does not.
 struct BinaryBvh {
   struct alignas(16) Node {
     float lower[3];
     uint32_t left_count;  ///< triangles below the left child
     float negated_upper[3];
-    uint32_t unused;
+    uint32_t right;  ///< the right child
   };
   LargeArray<Node> nodes;
   LargeArray<BoundedTriangle> triangles;  ///< those below a node stand together, the left child's first
@@ -61,7 +61,7 @@ struct BinaryBvh {
   Subtree left(const Subtree& of) const { return {of.node + 1, of.first, nodes[of.node].left_count}; }
   Subtree right(const Subtree& of) const {
     const uint32_t left_count = nodes[of.node].left_count;
-    return {of.node + left_count, of.first + left_count, of.count - left_count};
+    return {nodes[of.node].right, of.first + left_count, of.count - left_count};
   }
   BoxLanes box(const Subtree& of) const {
     return of.count == 1 ? BoxLanes(triangles[of.first]) : BoxLanes(nodes[of.node]);

@@ -19,16 +19,14 @@ class FewTriangles {
     for (uint32_t i = 0; i < count; ++i) triangles_[i] = triangles[i], boxes_[i] = BoxLanes(triangles[i]);
   }
 
-  /// Writes the nodes, and the triangles in their order.
-  void build(BinaryBvh::Node* node, BoundedTriangle* place) {
-    if (count_ == 4)
-      build_four(node, place);
-    else if (count_ == 3)
-      build_three({0, 1, 2}, node, place);
-    else if (count_ == 2)
-      build_two(0, 1, node, place);
-    else
-      place[0] = triangles_[0];
+  /// Writes the nodes from number `node` on, and the triangles in their order. Returns the node behind the last one.
+  uint32_t build(BinaryBvh::Node* nodes, uint32_t node, BoundedTriangle* place) {
+    nodes_ = nodes;
+    if (count_ == 4) return build_four(node, place);
+    if (count_ == 3) return build_three({0, 1, 2}, node, place);
+    if (count_ == 2) return build_two(0, 1, node, place);
+    place[0] = triangles_[0];
+    return node;
   }
 
  private:
@@ -36,35 +34,38 @@ class FewTriangles {
     int of[3];
   };
 
-  static void write(BinaryBvh::Node& node, const BoxLanes& box, uint32_t left_count) {
-    box.store(node);
-    node.left_count = left_count;
+  void write(uint32_t node, const BoxLanes& box, uint32_t left_count, uint32_t right) {
+    box.store(nodes_[node]);
+    nodes_[node].left_count = left_count;
+    nodes_[node].right = right;
   }
 
-  void build_two(int a, int b, BinaryBvh::Node* node, BoundedTriangle* place) {
-    write(*node, joined(boxes_[a], boxes_[b]), 1);
+  uint32_t build_two(int a, int b, uint32_t node, BoundedTriangle* place) {
+    write(node, joined(boxes_[a], boxes_[b]), 1, node + 1);
     place[0] = triangles_[a];
     place[1] = triangles_[b];
+    return node + 1;
   }
 
   /// A pair and a single one.
-  void build_three(const Three& three, BinaryBvh::Node* node, BoundedTriangle* place) {
+  uint32_t build_three(const Three& three, uint32_t node, BoundedTriangle* place) {
     const BoxLanes &a = boxes_[three.of[0]], &b = boxes_[three.of[1]], &c = boxes_[three.of[2]];
     const BoxLanes ab = joined(a, b);
-    write(*node, joined(ab, c), 2);
+    write(node, joined(ab, c), 2, node + 2);
     if (undivided_ >= 3) {
       for (int i = 0; i < 3; ++i) place[i] = triangles_[three.of[i]];
-      return;
+      return node + 1;
     }
     const Lanes cost = splat(2) * half_areas(ab, joined(a, c), joined(b, c)) + half_areas(c, b, a);
     constexpr Three ways[] = {{0, 1, 2}, {0, 2, 1}, {1, 2, 0}};
     const Three& way = ways[cost[2] < cost[0] && cost[2] < cost[1] ? 2 : cost[1] < cost[0] ? 1 : 0];
     build_two(three.of[way.of[0]], three.of[way.of[1]], node + 1, place);
     place[2] = triangles_[three.of[way.of[2]]];
+    return node + 2;
   }
 
   /// Three and a single one, or two pairs.
-  void build_four(BinaryBvh::Node* node, BoundedTriangle* place) {
+  uint32_t build_four(uint32_t node, BoundedTriangle* place) {
     const BoxLanes &a = boxes_[0], &b = boxes_[1], &c = boxes_[2], &d = boxes_[3];
     const BoxLanes ab = joined(a, b), ac = joined(a, c), ad = joined(a, d);
     const BoxLanes bc = joined(b, c), bd = joined(b, d), cd = joined(c, d);
@@ -77,20 +78,23 @@ class FewTriangles {
     constexpr int ways[7][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}, {0, 1, 2, 3},
                                 {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
     const int* const way = ways[best];
-    const uint32_t left = best < 3 ? 2 : 3;
-    write(*node, joined(ab, cd), left);
-    if (left == 2) {
-      build_two(way[0], way[1], node + 1, place);
-      build_two(way[2], way[3], node + 2, place + 2);
-    } else {
-      build_three({way[0], way[1], way[2]}, node + 1, place);
-      place[3] = triangles_[way[3]];
+    const bool two_pairs = best < 3;
+    uint32_t next = node + 1;
+    if (two_pairs) {
+      next = build_two(way[0], way[1], next, place);
+      write(node, joined(ab, cd), 2, next);
+      return build_two(way[2], way[3], next, place + 2);
     }
+    next = build_three({way[0], way[1], way[2]}, next, place);
+    write(node, joined(ab, cd), 3, next);
+    place[3] = triangles_[way[3]];
+    return next;
   }
 
   uint32_t count_, undivided_;
   BoundedTriangle triangles_[most];
   BoxLanes boxes_[most];
+  BinaryBvh::Node* nodes_ = nullptr;
 };
 
 }  // namespace lucarium

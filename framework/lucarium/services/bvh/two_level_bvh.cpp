@@ -104,16 +104,7 @@ void TwoLevelBvh::release() {
 void TwoLevelBvh::restore(Words nodes, Words blocks) {
   keep_ = true;
   if (released()) nodes_ = std::move(nodes), blocks_ = std::move(blocks);
-  Words joined = nodes_;
-  for_each_reference(0, node_count_, [&](uint32_t reference) {
-    if (reference & LUCARIUM_BVH_LEAF) {
-      return LUCARIUM_BVH_LEAF |
-             (reference & ~LUCARIUM_BVH_LEAF) / LUCARIUM_BVH_BLOCK_WORDS(static_cast<uint32_t>(leaf_size_));
-    }
-    return (reference - LUCARIUM_BVH_HEADER_WORDS) / LUCARIUM_BVH_NODE_WORDS(static_cast<uint32_t>(width_));
-  });
-  trees_[0].tree.put_words(std::move(nodes_), blocks_);
-  nodes_ = std::move(joined);
+  trees_[0].tree.put_words(nodes_, blocks_);
 }
 
 size_t TwoLevelBvh::host_bytes() const {
@@ -152,10 +143,10 @@ void TwoLevelBvh::copy_top() {
   std::copy_n(top_.node_words().begin() + LUCARIUM_BVH_HEADER_WORDS, count * words,
               nodes_.begin() + LUCARIUM_BVH_HEADER_WORDS);
   for_each_reference(0, count, [&](uint32_t reference) {
-    if (!(reference & LUCARIUM_BVH_LEAF)) return node_reference(reference);
+    if (!(reference & LUCARIUM_BVH_LEAF)) return reference;
     const uint32_t block = reference & ~LUCARIUM_BVH_LEAF;
-    const uint32_t word = block * LUCARIUM_BVH_BLOCK_WORDS(1) + LUCARIUM_BVH_BLOCK_TRIANGLES(1);
-    return node_reference(trees_[top_.block_words()[word]].first_node);
+    const uint32_t part = top_.block_words()[block + LUCARIUM_BVH_BLOCK_TRIANGLES(1)];
+    return static_cast<uint32_t>(node_word(trees_[part].first_node));
   });
   changed_nodes_.emplace_back(LUCARIUM_BVH_HEADER_WORDS, LUCARIUM_BVH_HEADER_WORDS + count * words);
 }
@@ -165,9 +156,10 @@ void TwoLevelBvh::copy_tree(const Tree& tree) {
   const size_t first = LUCARIUM_BVH_HEADER_WORDS + tree.first_node * words;
   std::copy_n(tree.tree.node_words().begin() + LUCARIUM_BVH_HEADER_WORDS, count * words,
               nodes_.begin() + static_cast<ptrdiff_t>(first));
+  const auto node_shift = static_cast<uint32_t>(tree.first_node * words);
+  const auto block_shift = static_cast<uint32_t>(block_word(tree.first_block));
   for_each_reference(tree.first_node, tree.first_node + count, [&](uint32_t reference) {
-    return reference & LUCARIUM_BVH_LEAF ? block_reference(tree.first_block + (reference & ~LUCARIUM_BVH_LEAF))
-                                         : node_reference(tree.first_node + reference);
+    return reference + (reference & LUCARIUM_BVH_LEAF ? block_shift : node_shift);
   });
   changed_nodes_.emplace_back(first, first + count * words);
   const size_t first_block = size_t{tree.first_block} * LUCARIUM_BVH_BLOCK_WORDS(leaf_size_);
@@ -179,9 +171,6 @@ void TwoLevelBvh::copy_tree(const Tree& tree) {
 /// The words of the only tree, without a copy.
 void TwoLevelBvh::take_tree() {
   std::tie(nodes_, blocks_) = trees_[0].tree.take_words();
-  for_each_reference(0, node_count_, [&](uint32_t reference) {
-    return reference & LUCARIUM_BVH_LEAF ? block_reference(reference & ~LUCARIUM_BVH_LEAF) : node_reference(reference);
-  });
   changed_nodes_.emplace_back(LUCARIUM_BVH_HEADER_WORDS, nodes_.size());
   changed_blocks_.emplace_back(0, blocks_.size());
 }

@@ -100,13 +100,6 @@ class TwoLevelBvh {
       }
     }
   }
-  uint32_t node_reference(uint32_t index) const {
-    return LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<uint32_t>(width_));
-  }
-  uint32_t block_reference(uint32_t index) const {
-    return LUCARIUM_BVH_LEAF | index * LUCARIUM_BVH_BLOCK_WORDS(static_cast<uint32_t>(leaf_size_));
-  }
-
   int width_, leaf_size_;
   unsigned threads_;
   std::vector<Part> ranges_;

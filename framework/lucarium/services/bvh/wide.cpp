@@ -17,8 +17,7 @@ void WideBvh::set_child_box(uint32_t node_index, int slot, const Bounds& box) {
   }
 }
 
-Bounds WideBvh::fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
-  uint32_t* words = &blocks_[block_word(block)];
+Bounds WideBvh::fit_block(uint32_t* words, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
   const uint32_t* ids = words + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_);
   Bounds bounds;
   for (int slot = 0; slot < leaf_size_; ++slot) {
@@ -48,8 +47,9 @@ void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> tr
       const uint32_t reference = node(index)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot];
       Bounds box;
       if (reference != no_child)
-        box = reference & LUCARIUM_BVH_LEAF ? fit_block(reference & ~LUCARIUM_BVH_LEAF, vertices, triangles)
-                                            : boxes[reference];
+        box = reference & LUCARIUM_BVH_LEAF
+                  ? fit_block(&blocks_[reference & ~LUCARIUM_BVH_LEAF], vertices, triangles)
+                  : boxes[(reference - LUCARIUM_BVH_HEADER_WORDS) / LUCARIUM_BVH_NODE_WORDS(width_)];
       set_child_box(index, slot, box);
       boxes[index].add(box);
       cost += static_cast<double>(box.half_area());

@@ -64,9 +64,11 @@ class WideBvh {
   size_t node_word(size_t index) const {
     return LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<size_t>(width_));
   }
+  uint32_t node_reference(size_t index) const { return static_cast<uint32_t>(node_word(index)); }
+  uint32_t block_reference(size_t block) const { return LUCARIUM_BVH_LEAF | static_cast<uint32_t>(block_word(block)); }
   uint32_t* node(size_t index) { return &nodes_[node_word(index)]; }
   size_t block_word(size_t block) const { return block * LUCARIUM_BVH_BLOCK_WORDS(static_cast<size_t>(leaf_size_)); }
-  Bounds fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
+  Bounds fit_block(uint32_t* words, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   void set_child_box(uint32_t node_index, int slot, const Bounds& box);
 
   int width_ = 0, leaf_size_ = 0;

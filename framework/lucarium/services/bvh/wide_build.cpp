@@ -167,11 +167,12 @@ class WideBvh::Emission {
         if (reference != no_child) {
           if (reference & LUCARIUM_BVH_LEAF) {
             if (top) write_block(reference & ~LUCARIUM_BVH_LEAF, node.slots.of[slot]);
-            reference += part.first_block;
+            reference = out_.block_reference(part.first_block + (reference & ~LUCARIUM_BVH_LEAF));
           } else if (!top) {
-            reference += part.first_node;
+            reference = out_.node_reference(part.first_node + reference);
           } else {
-            reference = reference & part_flag ? parts_[reference & ~part_flag].first_node : top_.nodes[reference].index;
+            reference = out_.node_reference(reference & part_flag ? parts_[reference & ~part_flag].first_node
+                                                                  : top_.nodes[reference].index);
           }
         }
         words[LUCARIUM_BVH_NODE_REFERENCES(width) + slot] = reference;

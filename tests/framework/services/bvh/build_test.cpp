@@ -50,7 +50,9 @@ struct Walk {
       }
       ++references;
       const uint32_t block = reference & ~LUCARIUM_BVH_LEAF;
-      const Bounds below = block != reference ? leaf(block) : inner(node, reference);
+      const Bounds below = block != reference
+                               ? leaf(block)
+                               : inner(node, (reference - LUCARIUM_BVH_ROOT) / LUCARIUM_BVH_NODE_WORDS(width));
       CHECK(below.min == stored.min);
       CHECK(below.max == stored.max);
       all.add(stored);
@@ -65,7 +67,7 @@ struct Walk {
 
   Bounds leaf(uint32_t block) {
     const auto size = static_cast<uint32_t>(tree.leaf_size());
-    const uint32_t* words = &tree.block_words()[block * LUCARIUM_BVH_BLOCK_WORDS(size)];
+    const uint32_t* words = &tree.block_words()[block];
     Bounds box;
     for (uint32_t slot = 0; slot < size; ++slot) {
       const uint32_t triangle = words[LUCARIUM_BVH_BLOCK_TRIANGLES(size) + slot];
