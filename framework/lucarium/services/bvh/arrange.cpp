@@ -55,7 +55,8 @@ class Arrangement {
       }
     }
     const bool high_first = high_ease > low_ease;
-    for (Order& order : order_) separate(order, high);
+    separate(order_[0], high);
+    for (int other = 1; other < 3 && bit > 1; ++other) separate(order_[other], high);
     std::array<Group, max_width> low;
     for (uint32_t g = 0; g < group_count_; ++g) {
       Group& group = groups_[g];
@@ -112,7 +113,7 @@ class Arrangement {
 
   /// In every group those that are high first, else as they were.
   void separate(Order& order, const std::array<bool, max_width>& high) const {
-    Order separated;
+    Order separated = order;
     for (uint32_t g = 0; g < group_count_; ++g) {
       const Group& group = groups_[g];
       uint32_t to_high = group.first, to_low = group.first + group.count / 2u;

@@ -43,44 +43,53 @@ struct Split {
 };
 
 struct Bins {
+  struct Counts {
+    IntLanes of_axes;  // one lane an axis
+    IntLanes unused;   // makes the bins' places those of the boxes
+  };
   BoxLanes box[3][BinMap::max_bins];
-  IntLanes count[BinMap::max_bins];  // one lane an axis
+  Counts count[BinMap::max_bins];
 
   explicit Bins(int bins) {
     for (int bin = 0; bin < bins; ++bin) {
       for (auto& of_axis : box) of_axis[bin] = BoxLanes::empty();
-      count[bin] = IntLanes{};
+      count[bin].of_axes = IntLanes{};
     }
   }
-  /// Neighbours tend to go to the same bins, where one waits for the other: the halves take turns.
+  /// Neighbours tend to go to the same bins, where one waits for the other: quarters take turns.
   void add(const BoundedTriangle* triangles, uint32_t number, const BinMap& map) {
-    const uint32_t half = number / 2;
-    for (const BoundedTriangle* triangle = triangles; triangle != triangles + half; ++triangle) {
-      add(*triangle, map);
-      add(triangle[half], map);
+    const uint32_t quarter = number / 4;
+    for (uint32_t i = 0; i < quarter; ++i) {
+      add(triangles[i], map);
+      add(triangles[quarter + i], map);
+      add(triangles[2 * quarter + i], map);
+      add(triangles[3 * quarter + i], map);
     }
-    if (number % 2) add(triangles[number - 1], map);
+    for (uint32_t i = 4 * quarter; i < number; ++i) add(triangles[i], map);
   }
   void add(const BoundedTriangle& triangle, const BinMap& map) {
+    static_assert(sizeof(BoxLanes) == 32 && sizeof(Counts) == 32);
     const BoxLanes one(triangle);
-    const IntLanes bin = __builtin_convertvector(map(one.centre2()), IntLanes);
-    add(0, bin[0], one);
-    add(1, bin[1], one);
-    add(2, bin[2], one);
+    const IntLanes place = __builtin_convertvector(map(one.centre2()), IntLanes) << 5;  // in bytes
+    uint64_t first_two;
+    std::memcpy(&first_two, &place, sizeof(first_two));
+    add(0, static_cast<uint32_t>(first_two), one);
+    add(1, first_two >> 32, one);
+    add(2, static_cast<uint32_t>(place[2]), one);
   }
-  void add(int axis, int bin, const BoxLanes& one) {
-    box[axis][bin].add(one);
-    ++count[bin][axis];
+  void add(int axis, size_t place, const BoxLanes& one) {
+    reinterpret_cast<BoxLanes*>(reinterpret_cast<char*>(box[axis]) + place)->add(one);
+    ++reinterpret_cast<Counts*>(reinterpret_cast<char*>(count) + place)->of_axes[axis];
   }
   void add(const Bins& other, int bins) {
     for (int bin = 0; bin < bins; ++bin) {
       for (int axis = 0; axis < 3; ++axis) box[axis][bin].add(other.box[axis][bin]);
-      count[bin] += other.count[bin];
+      count[bin].of_axes += other.count[bin].of_axes;
     }
   }
   uint32_t count_below(int axis, int bin) const {
     uint32_t sum = 0;
-    for (int b = 0; b < bin; ++b) sum += static_cast<uint32_t>(count[b][axis]);
+    for (int b = 0; b < bin; ++b) sum += static_cast<uint32_t>(count[b].of_axes[axis]);
     return sum;
   }
 
@@ -94,7 +103,7 @@ struct Bins {
       side[0].add(box[0][bin]);
       side[1].add(box[1][bin]);
       side[2].add(box[2][bin]);
-      triangles += count[bin];
+      triangles += count[bin].of_axes;
       return half_areas(side[0], side[1], side[2]) * __builtin_convertvector(triangles, Lanes);
     };
     for (int bin = bins - 1; bin > 0; --bin) right_cost[bin] = grow(bin);
@@ -133,27 +142,27 @@ struct SideCentres {
 /// Copies triangles of the left side to `left` and others to `right`, in their order.
 inline SideCentres partition(const BoundedTriangle* triangles, uint32_t number, const BinMap& map, const Split& split,
                              BoundedTriangle* left, BoundedTriangle* right) {
-  SideCentres centres;
+  Lanes left_low = splat(1e30f), left_high = -left_low, right_low = left_low, right_high = left_high;
   const Lanes origin = splat(map.origin[split.axis]), scale = splat(map.scale[split.axis]);
   const Lanes border = splat(static_cast<float>(split.bin));
   for (const BoundedTriangle* triangle = triangles; triangle != triangles + number; ++triangle) {
     const BoxLanes one(*triangle);
-    const Lanes centre = one.centre2(), negated = one.negated_upper - one.lower;
+    const Lanes centre = one.centre2();
     const float along = triangle->lower[split.axis] - triangle->negated_upper[split.axis];
-    const IntLanes goes_left = (splat(along) - origin) * scale < border, goes_right = ~goes_left;
-    // Where all bits are set is no number, which a minimum leaves out.
-    const auto unless = [](IntLanes mask, Lanes value) {
-      return reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(value) | mask);
-    };
-    centres.left.add({unless(goes_right, centre), unless(goes_right, negated)});
-    centres.right.add({unless(goes_left, centre), unless(goes_left, negated)});
+    const IntLanes goes_left = (splat(along) - origin) * scale < border;
+    // Where all bits are set is no number, which minimum and maximum leave out.
+    const Lanes if_left = reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(centre) | ~goes_left);
+    const Lanes if_right = reinterpret_cast<Lanes>(reinterpret_cast<IntLanes>(centre) | goes_left);
+    left_low = min(if_left, left_low);
+    left_high = if_left > left_high ? if_left : left_high;
+    right_low = min(if_right, right_low);
+    right_high = if_right > right_high ? if_right : right_high;
     const bool to_left = goes_left[0] != 0;
-    BoundedTriangle* place = to_left ? left : right;
-    std::memcpy(place, triangle, sizeof(*place));
+    std::memcpy(to_left ? left : right, triangle, sizeof(*triangle));
     left += to_left;
     right += !to_left;
   }
-  return centres;
+  return {{left_low, -left_high}, {right_low, -right_high}};
 }
 
 }  // namespace lucarium

@@ -27,7 +27,8 @@ struct Range {
 
 class Builder {
  public:
-  Builder(BinaryBvh& out, unsigned threads) : out_(out), other_(out.triangles.size()), threads_(threads) {}
+  Builder(BinaryBvh& out, uint32_t leaf_size, unsigned threads)
+      : out_(out), other_(out.triangles.size()), few_(FewTriangles::most(leaf_size)), threads_(threads) {}
 
   void build() {
     const Range root = make_root();
@@ -149,7 +150,7 @@ class Builder {
 
   /// Returns the node behind the last one that the range uses.
   uint32_t build(const Range& range) {
-    if (range.count <= FewTriangles::most)
+    if (range.count <= few_)
       return FewTriangles(place(range), range.count, out_.undivided)
           .build(out_.nodes.data(), range.node, &out_.triangles[range.first]);
     auto [left, right] = range.depth < max_sah_depth ? split(range) : halve(range);
@@ -196,18 +197,19 @@ class Builder {
 
   BinaryBvh& out_;
   LargeArray<BoundedTriangle> other_;
+  uint32_t few_;
   unsigned threads_;
 };
 
 }  // namespace
 
-BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, uint32_t undivided, unsigned threads) {
+BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, uint32_t leaf_size, unsigned threads) {
   BinaryBvh result;
-  result.undivided = undivided;
+  result.undivided = std::max(1u, 3 * leaf_size / 8);
   if (triangles.empty()) return result;
   result.nodes.resize(std::max<size_t>(1, triangles.size() - 1));
   result.triangles = std::move(triangles);
-  Builder(result, threads).build();
+  Builder(result, leaf_size, threads).build();
   return result;
 }
 

@@ -106,10 +106,12 @@ void CollapsePlan::choose(const Subtree& subtree, const Costs& left, const Costs
   choice.roots_left[1] = leaf <= inner;
   costs[0] = std::min(leaf, inner);
   choice.visits = area > 0 ? costs[0] / area : 1;
+  float least = costs[0];
   for (uint32_t i = 1; i < most; ++i) {
-    const bool as_good = costs[i - 1] <= costs[i];
-    costs[i] = as_good ? costs[i - 1] : costs[i];
-    if (i + 1 < max_width) choice.roots_left[i + 1] = as_good ? 0 : static_cast<uint8_t>(lefts[i]);
+    const int32_t better = costs[i] < least ? -1 : 0;
+    least = std::min(costs[i], least);
+    costs[i] = least;
+    if (i + 1 < max_width) choice.roots_left[i + 1] = static_cast<uint8_t>(lefts[i] & better);
   }
 }
 

@@ -44,7 +44,7 @@ void TwoLevelBvh::rebuild(size_t part, std::span<const Vertex> vertices, std::sp
   for (const TriangleRange& range : ranges_[part])
     bound_triangles(vertices, triangles, range.first, range.count, threads_, bounded, tree.ignored);
   tree.triangles = static_cast<uint32_t>(bounded.size());
-  tree.tree = WideBvh(build_binary_bvh(std::move(bounded), WideBvh::undivided(leaf_size_), threads_), width_,
+  tree.tree = WideBvh(build_binary_bvh(std::move(bounded), static_cast<uint32_t>(leaf_size_), threads_), width_,
                       leaf_size_, {vertices, triangles}, threads_);
   require_reach(tree.tree.node_count(), tree.tree.block_count());
   tree.built_cost = tree.tree.sah_cost();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,12 +23,9 @@ class WideBvh {
     std::span<const Vertex> vertices;
     std::span<const Triangle> triangles;
   };
-  /// `width` children per node, up to `leaf_size` triangles per leaf block. An empty hierarchy gets a root without
-  /// children.
+  /// `width` children per node, up to `leaf_size` triangles per leaf block, as `binary` was built for. An empty
+  /// hierarchy gets a root without children.
   WideBvh(const BinaryBvh& binary, int width, int leaf_size, const Geometry& geometry, unsigned threads);
-  /// Triangles that the binary hierarchy need not divide: where leaves are large, less than that is hardly a leaf.
-  static uint32_t undivided(int leaf_size) { return static_cast<uint32_t>(std::max(1, 3 * leaf_size / 8)); }
-
   /// Recomputes all boxes, leaf vertices and the cost.
   void fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
 

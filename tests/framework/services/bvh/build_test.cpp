@@ -19,7 +19,7 @@ WideBvh build(const Soup& soup, int width, int leaf_size, unsigned threads = 2) 
   bound_triangles(soup.vertices, soup.triangles, 0, static_cast<uint32_t>(soup.triangles.size()), threads, bounded,
                   ignored);
   CHECK(bounded.size() + ignored.size() == soup.triangles.size());
-  return {build_binary_bvh(std::move(bounded), WideBvh::undivided(leaf_size), threads),
+  return {build_binary_bvh(std::move(bounded), static_cast<uint32_t>(leaf_size), threads),
           width,
           leaf_size,
           {soup.vertices, soup.triangles},

@@ -308,7 +308,7 @@ TEST_CASE("narrow nodes get more stack than the usual one") {
     bounded.emplace_back(box, i);
     rays.push_back(make_ray({0.25f * size, 0.25f * size, 1}, {0, 0, -1}));
   }
-  CHECK(WideBvh(build_binary_bvh(bounded, 1, 1), 4, 4, {}, 1).stack_size() > 128);
+  CHECK(WideBvh(build_binary_bvh(bounded, 4, 1), 4, 4, {}, 1).stack_size() > 128);
   for (const BvhTraversal traversal : traversals) {
     const Results results = tracer.trace(tracer.make(nested, traversal), rays);
     size_t wrong = 0;
