@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which triangles a hierarchy holds (build.h).
+// Which triangles a hierarchy holds. Declared in build.h.
 #include <algorithm>
 #include <cmath>
 

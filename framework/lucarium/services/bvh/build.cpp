@@ -28,7 +28,7 @@ struct Range {
 class Builder {
  public:
   Builder(BinaryBvh& out, uint32_t leaf_size, unsigned threads)
-      : out_(out), other_(out.triangles.size()), few_(FewTriangles::most(leaf_size)), threads_(threads) {}
+      : out_(out), other_(out.triangles.size()), few_(FewTriangles::max_count(leaf_size)), threads_(threads) {}
 
   void build() {
     const Range root = make_root();

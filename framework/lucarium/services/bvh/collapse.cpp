@@ -17,9 +17,9 @@ constexpr uint32_t planned_alone = 4096;  // triangles of a subtree that is left
 using Costs = std::array<float, CollapsePlan::max_width>;
 using Counts = std::array<int32_t, CollapsePlan::max_width>;
 
-/// For totals of j roots, j ≤ `most`: the cheapest way to divide them, and how many roots go left then (the fewest of
-/// several). Four totals at a time.
-void distribute(const Costs& left, uint32_t left_count, const Costs& right, uint32_t right_count, uint32_t most,
+/// For totals of j roots, j ≤ `max_roots`: the cheapest way to divide them, and how many roots go left then (the fewest
+/// of several). Four totals at a time.
+void distribute(const Costs& left, uint32_t left_count, const Costs& right, uint32_t right_count, uint32_t max_roots,
                 Costs& costs, Counts& lefts) {
   constexpr uint32_t width = CollapsePlan::max_width;
   // Shifted by k roots, the costs of one side are those of j − k roots.
@@ -27,8 +27,8 @@ void distribute(const Costs& left, uint32_t left_count, const Costs& right, uint
   std::fill_n(padded, width, INFINITY);
   const bool by_left = left_count <= right_count;
   std::copy_n(by_left ? right.data() : left.data(), width, padded + width);
-  const uint32_t few = std::min({left_count, right_count, width - 1, most - 1});
-  for (uint32_t group = 0; group < most; group += 4) {
+  const uint32_t few = std::min({left_count, right_count, width - 1, max_roots - 1});
+  for (uint32_t group = 0; group < max_roots; group += 4) {
     Lanes best = splat(INFINITY);
     IntLanes best_left = {};
     const IntLanes number = splat_int(static_cast<int>(group)) + IntLanes{1, 2, 3, 4};
@@ -95,19 +95,19 @@ void CollapsePlan::plan(const Subtree& subtree, Costs& costs) {
 
 void CollapsePlan::choose(const Subtree& subtree, const Costs& left, const Costs& right, Costs& costs) {
   const uint32_t left_count = binary_.nodes[subtree.node].left_count;
-  const uint32_t most = std::min(subtree.count, width_);
+  const uint32_t max_roots = std::min(subtree.count, width_);
   Counts lefts;
   costs.fill(INFINITY);
-  distribute(left, left_count, right, subtree.count - left_count, most, costs, lefts);
+  distribute(left, left_count, right, subtree.count - left_count, max_roots, costs, lefts);
   Choice& choice = choices_[subtree.node];
   const float area = half_area(BoxLanes(binary_.nodes[subtree.node]));
-  const float inner = area + costs[most - 1], leaf = subtree.count <= leaf_size_ ? area : INFINITY;
-  choice.roots_left[0] = static_cast<uint8_t>(lefts[most - 1]);
+  const float inner = area + costs[max_roots - 1], leaf = subtree.count <= leaf_size_ ? area : INFINITY;
+  choice.roots_left[0] = static_cast<uint8_t>(lefts[max_roots - 1]);
   choice.roots_left[1] = leaf <= inner;
   costs[0] = std::min(leaf, inner);
   choice.visits = area > 0 ? costs[0] / area : 1;
   float least = costs[0];
-  for (uint32_t i = 1; i < most; ++i) {
+  for (uint32_t i = 1; i < max_roots; ++i) {
     const int32_t better = costs[i] < least ? -1 : 0;
     least = std::min(costs[i], least);
     costs[i] = least;

@@ -17,7 +17,7 @@ namespace lucarium {
 class FewTriangles {
  public:
   /// How many, at most, where leaves have this size.
-  static uint32_t most(uint32_t leaf_size) { return std::clamp(leaf_size, 4u, most_); }
+  static uint32_t max_count(uint32_t leaf_size) { return std::clamp(leaf_size, 4u, array_size); }
 
   FewTriangles(const BoundedTriangle* triangles, uint32_t count, uint32_t undivided)
       : count_(count), undivided_(undivided) {
@@ -27,12 +27,12 @@ class FewTriangles {
   /// Writes the nodes from number `node` on, and the triangles in their order. Returns the node behind the last one.
   uint32_t build(BinaryBvh::Node* nodes, uint32_t node, BoundedTriangle* place) {
     nodes_ = nodes;
-    constexpr int all[most_] = {0, 1, 2, 3, 4, 5, 6, 7};
+    constexpr int all[array_size] = {0, 1, 2, 3, 4, 5, 6, 7};
     return build(all, count_, node, place);
   }
 
  private:
-  static constexpr uint32_t most_ = 8;
+  static constexpr uint32_t array_size = 8;
 
   uint32_t build(const int* of, uint32_t count, uint32_t node, BoundedTriangle* place) {
     if (count > 4) return build_more(of, count, node, place);
@@ -93,9 +93,9 @@ class FewTriangles {
 
   /// Those in front of any place along the widest axis, and those behind it.
   uint32_t build_more(const int* of, uint32_t count, uint32_t node, BoundedTriangle* place) {
-    int sorted[most_];
+    int sorted[array_size];
     sort(of, count, sorted);
-    BoxLanes behind[most_];
+    BoxLanes behind[array_size];
     behind[count - 1] = boxes_[sorted[count - 1]];
     for (uint32_t i = count - 1; i-- > 1;) behind[i] = joined(boxes_[sorted[i]], behind[i + 1]);
     BoxLanes front = boxes_[sorted[0]];
@@ -113,7 +113,7 @@ class FewTriangles {
 
   /// By their centres along the widest axis; of equal ones the first remains in front.
   void sort(const int* of, uint32_t count, int* sorted) const {
-    Lanes centre[most_];
+    Lanes centre[array_size];
     BoxLanes centres = BoxLanes::empty();
     for (uint32_t i = 0; i < count; ++i) {
       centre[i] = boxes_[of[i]].centre2();
@@ -121,8 +121,8 @@ class FewTriangles {
     }
     const Lanes extent = centres.size();
     const int axis = extent[0] >= extent[1] && extent[0] >= extent[2] ? 0 : extent[1] >= extent[2] ? 1 : 2;
-    alignas(16) float along[most_];
-    for (uint32_t i = 0; i < most_; ++i) along[i] = i < count ? centre[i][axis] : INFINITY;
+    alignas(16) float along[array_size];
+    for (uint32_t i = 0; i < array_size; ++i) along[i] = i < count ? centre[i][axis] : INFINITY;
     Lanes low, high;
     std::memcpy(&low, along, sizeof(low));
     std::memcpy(&high, along + 4, sizeof(high));
@@ -146,8 +146,8 @@ class FewTriangles {
   }
 
   uint32_t count_, undivided_;
-  BoundedTriangle triangles_[most_];
-  BoxLanes boxes_[most_];
+  BoundedTriangle triangles_[array_size];
+  BoxLanes boxes_[array_size];
   BinaryBvh::Node* nodes_ = nullptr;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Construction of a wide hierarchy (wide.h) from a binary one.
+// Construction of a wide hierarchy from a binary one. Declared in wide.h.
 #include <algorithm>
 #include <bit>
 #include <cstring>
