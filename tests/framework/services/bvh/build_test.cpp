@@ -6,6 +6,7 @@
 #include <set>
 
 #include "lucarium/services/bvh/wide.h"
+#include "tolerance.h"
 #include "triangle_soups.h"
 
 using namespace lucarium;
@@ -104,12 +105,41 @@ TEST_CASE("every triangle lies in one leaf, inside every box above it") {
 }
 
 TEST_CASE("the hierarchy does not depend on the number of threads") {
-  const Soup soup = random_soup(30000, 7);
-  const WideBvh one = build(soup, 16, 8, 1);
-  for (const unsigned threads : {2u, 5u}) {
-    const WideBvh other = build(soup, 16, 8, threads);
-    CHECK(other.node_words() == one.node_words());
-    CHECK(other.block_words() == one.block_words());
+  // Threads share the largest ranges; coinciding centres cannot be divided by bins.
+  Soup coinciding;
+  for (int i = 0; i < 40000; ++i) coinciding.add_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  for (const Soup& soup : {random_soup(30000, 7), rough_sphere(200, 150, 3), coinciding}) {
+    const WideBvh one = build(soup, 16, 8, 1);
+    for (const unsigned threads : {2u, 5u}) {
+      const WideBvh other = build(soup, 16, 8, threads);
+      CHECK(other.node_words() == one.node_words());
+      CHECK(other.block_words() == one.block_words());
+    }
+  }
+}
+
+TEST_CASE("zeros of either sign make the same hierarchy") {
+  Soup plus, minus;
+  Random random(12);
+  for (int i = 0; i < 20000; ++i) {
+    const glm::vec2 a(random.in_cube(5)), b(random.in_cube(5));
+    plus.add_triangle({0.f, a}, {0.f, b}, {1.f, a});
+    minus.add_triangle({i % 3 ? -0.f : 0.f, a}, {i % 2 ? -0.f : 0.f, b}, {1.f, a});
+  }
+  const WideBvh tree = build(plus, 16, 8);
+  for (const unsigned threads : {1u, 2u}) CHECK(build(minus, 16, 8, threads).node_words() == tree.node_words());
+}
+
+TEST_CASE("a wide hierarchy has the boxes that fitting it gives") {
+  for (const auto& [width, leaf_size] : {std::pair{16, 8}, {8, 4}, {4, 4}}) {
+    const Soup soup = random_soup(3000, 6);
+    const WideBvh tree = build(soup, width, leaf_size);
+    WideBvh fitted = tree;
+    fitted.fit(soup.vertices, soup.triangles);
+    CHECK(fitted.node_words() == tree.node_words());
+    CHECK(fitted.block_words() == tree.block_words());
+    CHECK(fitted.sah_cost() == relative(tree.sah_cost()));
+    CHECK(fitted.dead_count() == 0);
   }
 }
 
