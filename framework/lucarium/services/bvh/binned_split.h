@@ -20,8 +20,8 @@ struct BinMap {
   /// `centres` is the box around twice the centres.
   BinMap(const BoxLanes& centres, uint32_t count)
       : origin(centres.lower),
-        // Few triangles are not worth many bins, and many triangles are worth more.
-        bins(static_cast<int>(std::min({4 + count / 2, 16 + count / 128, uint32_t{max_bins}}))) {
+        // Few triangles are not worth many bins.
+        bins(static_cast<int>(std::min<uint32_t>(4 + count / 2, max_bins))) {
     origin[3] = 0;
     const Lanes extent = centres.size();
     // The scale stays finite: extents so small that bins / extent overflows are treated as none.
@@ -32,7 +32,7 @@ struct BinMap {
   /// At least 0 and less than `bins`.
   Lanes operator()(Lanes centre2) const { return (centre2 - origin) * scale; }
 
-  static constexpr int max_bins = 32;
+  static constexpr int max_bins = 16;
 };
 
 struct Split {

@@ -68,7 +68,7 @@ struct BinaryBvh {
   }
 };
 
-/// Top-down build by the surface area heuristic with 4 to 32 bins on each of 3 axes (Wald, "On fast Construction of
+/// Top-down build by the surface area heuristic with up to 16 bins on each of 3 axes (Wald, "On fast Construction of
 /// SAH-based Bounding Volume Hierarchies", 2007), simpler where triangles fit into a leaf. Three stay undivided where
 /// leaves have eight: less is hardly a leaf. Deterministic for any number of threads; depth at most 48 + log2(n).
 BinaryBvh build_binary_bvh(LargeArray<BoundedTriangle> triangles, uint32_t leaf_size, unsigned threads);
