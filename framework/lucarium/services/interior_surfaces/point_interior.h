@@ -7,6 +7,7 @@
 
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/services/interior_surfaces/interior_walks.h"
+#include "lucarium/services/primitives/primitives.h"
 #include "lucarium/shared/interior_point.h"
 
 namespace lucarium {
@@ -31,7 +32,11 @@ class PointInterior {
                             uint32_t walks, const Progress& progress) const;
   Device& device_;
   KernelScheduler& scheduler_;
-  InteriorWalks walks_;
+  const SceneBuffers& scene_;
+  const Intersector& intersector_;
+  InteriorRule rule_;
+  Program program_;
+  Primitives primitives_;
   std::string owner_;
   const char* remedy_;
 };

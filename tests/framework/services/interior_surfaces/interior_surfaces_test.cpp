@@ -2,6 +2,7 @@
 // What lies inside solids, by one definition for texels and points.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -152,6 +153,33 @@ TEST_CASE("points that are known to be open are left out") {
   const std::vector<InteriorPoint> points(3, InteriorPoint{0, 0.01f, 0.49f});  // about the middle of the floor
   const std::vector<uint8_t> known = {0, 1, 0};
   CHECK(interior.are_open(points, known, kOwn, 8, {}) == std::vector<bool>{false, true, false});
+}
+
+TEST_CASE("however many points there are, each is judged as if alone") {
+  Scene scene = floor_scene();
+  add_box(scene, {-1, -0.5f, -1}, {1, 1, 1});
+  add_box(scene, {-0.25f, 0.5f, -0.25f}, {0.25f, 0.8f, 0.25f});  // some walks take several steps
+  KernelScheduler scheduler(test_device());
+  const SceneBuffers buffers(*test_device(), scene);
+  const Bvh bvh(*test_device(), scene, buffers);
+  const PointInterior interior(*test_device(), scheduler, buffers, bvh, {}, "test", "");
+  std::vector<InteriorPoint> points;  // more than walk at a time
+  std::vector<uint8_t> known;
+  for (uint32_t i = 0; i < 150000; ++i) {
+    const float u = std::fmod(0.618034f * static_cast<float>(i % 4096), 1.f);
+    points.push_back({i % 2, u, (1 - u) * static_cast<float>(i % 101) / 101});
+    known.push_back(i % 7 == 0);
+  }
+  const std::vector<bool> all = interior.are_open(points, known, kOwn, 8, {});
+  constexpr size_t few = 3000;
+  const std::vector<bool> first =
+      interior.are_open(std::span(points).first(few), std::span(known).first(few), kOwn, 8, {});
+  CHECK(std::equal(first.begin(), first.end(), all.begin()));
+  const auto open = static_cast<double>(std::count(first.begin(), first.end(), true));
+  CHECK(open > 0.3 * few);
+  CHECK(open < 0.95 * few);
+  // The same places of the floor throughout, so that about as many are open.
+  CHECK(static_cast<double>(std::count(all.end() - few, all.end(), true)) == test::relative(open, 0.1));
 }
 
 TEST_CASE("texels count the part of their area that is not inside solids") {
