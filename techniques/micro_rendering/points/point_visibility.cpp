@@ -22,6 +22,7 @@ std::vector<SampledPoint> choose(const std::vector<SampledPoint>& points, const 
   std::vector<uint32_t> lists[2];
   for (uint32_t i = 0; i < points.size(); ++i) lists[seen[i] ? 0 : 1].push_back(i);
   std::vector<SampledPoint> chosen;
+  chosen.reserve(wanted);
   for (const std::vector<uint32_t>& list : lists) {
     const size_t take = std::min(list.size(), wanted - chosen.size());
     for (size_t i = 0; i < take; ++i) chosen.push_back(points[list[i * list.size() / take]]);
@@ -51,6 +52,7 @@ std::unique_ptr<Bvh> make_resting(Device& device, const ScenePoints& points, con
 std::vector<InteriorPoint> interior_points(const std::vector<SampledPoint>& points) {
   static_assert(MICRO_LEAF_BACK == INTERIOR_BACK);
   std::vector<InteriorPoint> result;
+  result.reserve(points.size());
   for (const SampledPoint& p : points) {
     const uint32_t weights = leaf_of(p).weights;
     result.push_back({p.source, static_cast<float>(weights & 0xffffu) * (1.f / 65535.f),
@@ -85,6 +87,7 @@ std::vector<bool> PointVisibility::fronts(const std::vector<SampledPoint>& point
 
 std::vector<bool> PointVisibility::backs(const std::vector<SampledPoint>& points, const Progress& progress) const {
   std::vector<uint8_t> known;
+  known.reserve(points.size());
   for (const SampledPoint& p : points)
     known.push_back(is_two_sided(scene_points_.material(p.source & MICRO_LEAF_TRIANGLE)) ? 1 : 0);
   return interior_.are_open(interior_points(points), known, PointInterior::Side::behind, kBackWalks, progress);
