@@ -11,21 +11,24 @@
 namespace lucarium::micro {
 namespace {
 
-constexpr double kPointSeconds = 2e-5;  // placed, looked at from both sides, ordered
-constexpr double kPixelSeconds = 2e-6;  // of G-buffer and a light sample
-constexpr double kLightSampleSeconds = 5e-7;
+constexpr double kPointSeconds = 1.2e-5;  // placed, looked at from both sides, ordered
+constexpr double kPixelSeconds = 8e-7;    // of G-buffer and a light sample
+constexpr double kLightSampleSeconds = 3e-7;
 constexpr double kVirtualLightSeconds = 1e-7;  // a virtual light at a point
 constexpr double kPhotonPathSeconds = 8e-7;    // a light path
 constexpr double kPhotonSearchSeconds = 3e-7;  // a photon of a density at a point
-constexpr double kGatherSeconds = 6e-5;        // a gather, beside its micro-pixels
-constexpr double kMicroPixelSeconds = 4e-7;    // over 2^16 points
+constexpr double kGatherSeconds = 1.2e-5;      // a gather, beside its micro-pixels
+constexpr double kMicroPixelSeconds = 2.8e-7;  // over 2^16 points, with cut_kappa=1
 constexpr double kNodesPerCut = 2;             // at most, over those of jacobi_level
 constexpr double kFailedInterpolation = 0.1;   // share of the pixels that gather themselves (gather_step)
-constexpr uint32_t kMaxEyeSamples = 64;        // of a frame
+constexpr double kTransmittingPixels = 0.05;   // that gather on two sides, where a material transmits
+constexpr double kVisitSeconds = 6.5e-9;       // a node that a gather opens, with what follows from it
+constexpr double kGatherNoise = 0.1;           // of a micro-buffer of 16², of its light
 
-double gather_seconds(const MicroParameters& parameters) {
+double gather_seconds(const MicroParameters& parameters, float kappa) {
   const double depth = std::exp2((parameters.points_log2 - 16) / 4.0);  // about: nodes that are opened
-  return kGatherSeconds + kMicroPixelSeconds * depth * parameters.micro_size * parameters.micro_size;
+  const double nodes = std::pow(double{kappa}, -0.85);                  // over those of cut_kappa=1
+  return kGatherSeconds + kMicroPixelSeconds * depth * nodes * parameters.micro_size * parameters.micro_size;
 }
 
 /// Light at the points, of the bounces before the last.
@@ -34,7 +37,8 @@ double light_seconds(const MicroParameters& parameters, int bounces) {
   const double samples = points * parameters.light_samples * kLightSampleSeconds;
   switch (parameters.multibounce) {
     case MultiBounce::jacobi:
-      return samples + before * kNodesPerCut * std::exp2(parameters.jacobi_level) * gather_seconds(parameters);
+      return samples + before * kNodesPerCut * std::exp2(parameters.jacobi_level) *
+                           gather_seconds(parameters, parameters.node_kappa());
     case MultiBounce::instant_radiosity: return samples + before * parameters.vpls * points * kVirtualLightSeconds;
     case MultiBounce::photon_map:
       return samples + parameters.photons * kPhotonPathSeconds + points * parameters.photon_k * kPhotonSearchSeconds;
@@ -52,9 +56,9 @@ double pixel_seconds(const MicroParameters& parameters, const Scene& scene, cons
   if (parameters.shows_virtual_lights())
     return pixels * parameters.vpls * bounces(parameters, settings) * kVirtualLightSeconds;
   const double step = parameters.gather_step;
-  const double gathered =
-      pixels * (transmits(scene) ? 2 : 1) * std::min(1.0, 1 / (step * step) + (step > 1 ? kFailedInterpolation : 0));
-  return gathered * gather_seconds(parameters);
+  const double gathered = pixels * (transmits(scene) ? 1 + kTransmittingPixels : 1) *
+                          std::min(1.0, 1 / (step * step) + (step > 1 ? kFailedInterpolation : 0));
+  return gathered * gather_seconds(parameters, parameters.cut_kappa);
 }
 
 /// Of a frame, beside samples of pixels. Virtual lights that light pixels need no light at points.
@@ -75,21 +79,37 @@ double estimate_seconds(const MicroParameters& parameters, const Scene& scene, c
 
 uint32_t eye_samples_per_frame(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings) {
   if (bounces(parameters, settings) == 0) return 1;
-  return units_for_share(static_cast<double>(parameters.eye_share), indirect_seconds(parameters, scene, settings),
-                         eye_seconds(parameters, settings), kMaxEyeSamples);
+  const FrameWork work = frame_work(parameters, scene, settings);
+  return units_for_share(static_cast<double>(parameters.eye_share), work.indirect, work.eye, kMaxEyeSamples);
+}
+
+FrameWork frame_work(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings,
+                     double visits) {
+  double indirect = indirect_seconds(parameters, scene, settings);
+  if (visits > 0) indirect += visits * kVisitSeconds - pixel_seconds(parameters, scene, settings);
+  return {eye_seconds(parameters, settings), indirect};
+}
+
+double assumed_gather_variance(const MicroParameters& parameters) {
+  const double noise = kGatherNoise * 16 / parameters.micro_size;
+  return noise * noise;
 }
 
 std::vector<ParameterSaving> savings() {
-  return {{"points_log2", {"17", "16", "15", "14"}},
-          {"jacobi_level", {"11", "10", "9", "8"}},
+  // Nodes of four micro-pixels before fewer points and micro-pixels: discs that stick out and coarse nodes show as
+  // patches, which are worse to look at than noise.
+  return {{"cut_kappa", {"2", "4"}},
+          {"points_log2", {"17"}},
+          {"jacobi_level", {"11", "10"}},
           {"vpls", {"128", "64", "32"}},
           {"photons", {"500000", "250000", "125000"}},
-          {"micro_size", {"16", "12", "8"}},
-          {"light_samples", {"4", "2"}},
-          {"gather_step", {"2", "4"}, true},
-          {"points_log2", {"13", "12", "11"}, true},
-          {"jacobi_level", {"7", "6"}, true},
-          {"light_samples", {"1"}, true}};
+          {"light_samples", {"4"}},
+          {"micro_size", {"20", "16"}},
+          {"gather_step", {"2", "4"}},
+          {"micro_size", {"12", "8"}, true},
+          {"points_log2", {"16", "15", "14", "13", "12", "11"}, true},
+          {"jacobi_level", {"9", "8", "7", "6"}, true},
+          {"light_samples", {"2", "1"}, true}};
 }
 
 }  // namespace lucarium::micro

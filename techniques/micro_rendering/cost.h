@@ -12,8 +12,23 @@ namespace lucarium::micro {
 double estimate_seconds(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings,
                         const ComputePower& power);
 
+/// Work of a part of a frame, counted in seconds of the model: never timed, so that the same seed gives the same bits.
+struct FrameWork {
+  double eye = 0;       ///< of a sample of all pixels: emission and direct light
+  double indirect = 0;  ///< light at points and gathers
+};
+
+/// `visits`: nodes that the gathers of a frame have opened, where that is known; else by the model.
+FrameWork frame_work(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings,
+                     double visits = 0);
+
+constexpr uint32_t kMaxEyeSamples = 64;  // of a frame
+
 /// Samples of pixels that belong to a frame, so that they are `eye_share` of its work; 1 or more.
 uint32_t eye_samples_per_frame(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings);
+
+/// The variance, relative to the light that is gathered, that a frame of gathers is taken to have before it is known.
+double assumed_gather_variance(const MicroParameters& parameters);
 
 /// What may be lowered for a budget: points, gathers for several bounces, micro-buffers; at last pixels.
 std::vector<ParameterSaving> savings();

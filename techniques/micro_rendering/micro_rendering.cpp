@@ -16,7 +16,8 @@
 // several bounces where asked; PixelGather gathers at the pixels of a G-buffer, sub-image by sub-image. `emission` and
 // `direct` come from the framework's services, `indirect` is this technique's; with gather_env so is what `direct` has
 // of the environment. A frame of gathers is dear and a sample of a pixel cheap, so that frames end with further samples
-// of emission and direct light (eye_share).
+// of emission and direct light: as many as lower the error of the image most for all work, by the variances measured of
+// both (eye_share).
 //
 // What is counted. Light of all kinds by light samples at the points; behind the first visible non-mirror surface only
 // diffuse lobes (with node_shading=dynamic glossy ones too, at the second) and no mirrors or glass. Paths of 2 …
@@ -76,6 +77,7 @@
 #include "micro_rendering/declaration.h"
 #include "micro_rendering/gather/gather_pass.h"
 #include "micro_rendering/light/leaf_light.h"
+#include "micro_rendering/pixels/eye_balance.h"
 #include "micro_rendering/pixels/pixel_gather.h"
 #include "micro_rendering/tree/scene_forest.h"
 
@@ -146,7 +148,8 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     seen_ = false;
     batch_ = (batch_ + 1) % batches();
     if (batch_ > 0) return false;
-    further_left_ = light_rests() ? 0 : eye_samples_per_frame(parameters_, scene(), settings()) - 1;
+    if (balance_) balance_->frame_added();
+    further_left_ = further_samples(frame_index() + 1, false);
     return further_left_ == 0;
   }
 
@@ -170,6 +173,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     if (!pixels_) return;
     pixels_->set_camera(frame().camera);
     pixels_->restart();
+    if (balance_) balance_->clear();
   }
 
   // ---- what is made for a scene
@@ -210,6 +214,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     if (leaf_light_) leaf_light_->warm_up();
     if (pixels_) pixels_->warm_up();
     if (virtual_lights_) virtual_lights_->warm_up();
+    if (balance_) balance_->warm_up();
   }
 
  private:
@@ -232,7 +237,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   void see_directly() {
     const uint32_t index = frame_index();
     if (seen_ || !eye_light_->see(index) || !eye_light_->sample(index)) return;
-    eye_light_->commit();
+    commit_eye_light();
     seen_ = true;
   }
 
@@ -240,10 +245,22 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   bool see_further() {
     const uint32_t index = kFurtherSamples + further_;
     if (!eye_light_->see(index) || !eye_light_->sample(index)) return false;
-    eye_light_->commit();
+    commit_eye_light();
     ++further_;
-    --further_left_;
+    further_left_ = further_samples(frame_index() + 1, true);
     return true;
+  }
+
+  void commit_eye_light() {
+    eye_light_->commit();
+    if (balance_) balance_->eye_added();
+  }
+
+  /// Samples of pixels that are still to follow the gathers of this frame; `frames`: with it.
+  uint32_t further_samples(uint32_t frames, bool begun) const {
+    if (balance_) return balance_->further_samples(frames, parameters_, scene(), settings());
+    if (light_rests() || !pixels_) return 0;
+    return begun ? further_left_ - 1 : eye_samples_per_frame(parameters_, scene(), settings()) - 1;
   }
 
   /// One batch of a frame, before its first one G-buffer and direct light. False when cancelled: the sums are as
@@ -254,7 +271,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     if (first && !eye_light_->see(index)) return false;
     if (virtual_lights_ ? !show_virtual_lights() : pixels_ && !pixels_->gather(batch_, index, seed())) return false;
     if (first && !eye_light_->sample(index)) return false;
-    if (first) eye_light_->commit();
+    if (first) commit_eye_light();
     if (pixels_) pixels_->add(batch_, index);
     return true;
   }
@@ -291,6 +308,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   void make_view() {
     if (pixels_)
       for (const auto& [name, count] : pixels_->counters()) counted_before_[name] += count;
+    balance_.reset();
     virtual_lights_.reset();
     pixels_.reset();
     eye_light_.reset();
@@ -319,9 +337,11 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   }
 
   void make_gathers(const PointForest& forest) {
-    pixels_ = std::make_unique<PixelGather>(device(), scheduler(), scene_buffers(), eye_light_->points(),
-                                            settings().width, settings().height, forest, gather_,
-                                            leaf_light_->shading(), view_parameters(), transmits_, kName);
+    pixels_ = std::make_unique<PixelGather>(
+        device(), scheduler(), scene_buffers(), eye_light_->points(), settings().width, settings().height, forest,
+        gather_, leaf_light_->shading(), view_parameters(), transmits_, eye_light_->deviations(), kName);
+    if (parameters_.eye_share < 0 && !view_moves_)
+      balance_ = std::make_unique<EyeBalance>(device(), scheduler(), *eye_light_, *pixels_, kName);
     if (parameters_.shows_virtual_lights())
       virtual_lights_ = std::make_unique<PathLight>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
                                                     parameters_, bounces() + 1, pixels_->irradiance(),
@@ -330,6 +350,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
 
   void drop_gathers() {
     counted_before_ = counted();
+    balance_.reset();
     virtual_lights_.reset();
     pixels_.reset();
     leaf_light_.reset();
@@ -340,6 +361,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     std::map<std::string, double> all = counted_before_;
     if (pixels_)
       for (const auto& [name, count] : pixels_->counters()) all[name] += count;
+    all["eye samples"] = static_cast<double>(samples() + further_ + (seen_ || batch_ > 0 || further_left_ > 0 ? 1 : 0));
     if (leaf_light_) all["gathers at nodes"] += static_cast<double>(leaf_light_->gathers());
     return all;
   }
@@ -357,6 +379,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   std::unique_ptr<EyeLight> eye_light_;
   std::unique_ptr<LeafLight> leaf_light_;
   std::unique_ptr<PixelGather> pixels_;
+  std::unique_ptr<EyeBalance> balance_;        ///< null where eye_share is given, and for a camera that moves
   std::unique_ptr<PathLight> virtual_lights_;  ///< with gather_visible=off
 };
 

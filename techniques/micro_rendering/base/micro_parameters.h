@@ -48,7 +48,7 @@ struct MicroParameters {
   bool photon_direct = false;
   int light_samples = 8;
   int direct_samples = 4;
-  float eye_share = 0.25f;
+  float eye_share = -1;
   int unlimited_bounces = 4;
   int batch_gathers = 4096;
   int inspect_x = -1, inspect_y = -1;
@@ -58,6 +58,10 @@ struct MicroParameters {
   /// Whether gathers at pixels know what the frames before have found.
   bool keeps_levels() const { return cut_error > 0 || adaptive > 0; }
 
+  /// cut_kappa of gathers at nodes. They are few, and what they err by is in all pixels: a coarse cut is for pixels
+  /// only.
+  float node_kappa() const { return std::min(cut_kappa, 1.f); }
+
   /// Whether virtual lights light the visible points themselves.
   bool shows_virtual_lights() const { return !gather_visible && multibounce == MultiBounce::instant_radiosity; }
 
@@ -66,7 +70,8 @@ struct MicroParameters {
     v.number("points_log2", points_log2, 10, 23, "log2",
              "number of points on the surfaces, the leaves of the hierarchy");
     v.number("micro_size", micro_size, 8, 64, "micro-pixels", "edge length of a micro-buffer");
-    v.number("cut_kappa", cut_kappa, 0.25f, 4, "micro-pixels", "solid angle above which a node is split");
+    v.number("cut_kappa", cut_kappa, 0.25f, 4, "micro-pixels",
+             "solid angle above which a node is split; gathers at nodes: at most 1");
     v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"center", CutBound::centre}},
              "micro-pixel that a node is compared with: the smallest one it covers (conservative), or the one at its "
              "centre");
@@ -125,9 +130,9 @@ struct MicroParameters {
              "bits per depth value of a micro-buffer");
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
     v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of direct light per pixel and frame");
-    v.number("eye_share", eye_share, 0.f, 0.9f, "",
+    v.number("eye_share", eye_share, -1.f, 0.9f, "",
              "share of the work that goes to further samples of pixels, which bring emission and direct light; 0: one "
-             "for each frame");
+             "for each frame, -1: by the measured variances of both");
     v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces",
              "bounces computed when max_bounces is unlimited");
     v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers",

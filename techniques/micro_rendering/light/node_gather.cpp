@@ -115,6 +115,7 @@ void NodeGather::list() {
 
 bool NodeGather::gather(uint32_t first, uint32_t seed) {
   MicroSettings settings = GatherPass::settings(parameters_, seed);
+  settings.kappa = parameters_.node_kappa();
   settings.first = first;
   gather_schedule_.set(settings_, settings);
   return scheduler_.run(gather_schedule_) == RunResult::done;

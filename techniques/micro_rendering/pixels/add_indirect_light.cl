@@ -29,7 +29,8 @@ float3 transmitted_light(const Bsdf* bsdf, float3 all, float3 schlick_sum) {
 
 // Adds the light that the pixels of a sub-image reflect: xyz sum, w samples; sky_light: of the environment. inspected:
 // sums of what the inspection layers show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1
-// where interpolation failed. Pixels that did not gather show the gather of `lattice` that they lie beside.
+// where interpolation failed. deviations: of this frame's light from the mean of the frames before. Pixels that did not
+// gather show the gather of `lattice` that they lie beside.
 __kernel void add_indirect_light(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                                  const SubImage sub, const SubImage lattice, __global const float4* restrict irradiance,
                                  __global const float4* restrict specular,
@@ -42,12 +43,12 @@ __kernel void add_indirect_light(LUCARIUM_SCENE_PARAMETERS __global const GBuffe
 #if MICRO_GATHER_ENV
                                  __global const float4* restrict sky, __global float4* restrict sky_light,
 #endif
-                                 __global float4* restrict inspected) {
+                                 __global float* restrict deviations, __global float4* restrict inspected) {
   const uint i = get_global_id(0);
   if (i >= sub.width * sub.height) return;
   LUCARIUM_SCENE_BIND(scene);
   const uint pixel = sub_image_pixel(sub, i);
-  float3 light = (float3)(0.0f);
+  float3 light = (float3)(0.0f), gathered = (float3)(0.0f), sum_before = indirect[pixel].xyz;
   if (points[pixel].state == LUCARIUM_GBUFFER_SURFACE) {
     // Reflect and transmit what was gathered, by the pixel's own material.
     const Surface surface = gbuffer_surface(&scene, points[pixel]);
@@ -58,9 +59,12 @@ __kernel void add_indirect_light(LUCARIUM_SCENE_PARAMETERS __global const GBuffe
     light = reflected_light(&bsdf, irradiance[pixel].xyz, specular[2u * pixel].xyz, specular[2u * pixel + 1u].xyz);
     if (through) light += transmitted_light(&bsdf, specular[2u * far].xyz, specular[2u * far + 1u].xyz);
     light *= throughput;
+    gathered = light;
 #if MICRO_GATHER_ENV
     float3 from_sky = reflected_light(&bsdf, sky[3u * pixel].xyz, sky[3u * pixel + 1u].xyz, sky[3u * pixel + 2u].xyz);
     if (through) from_sky += transmitted_light(&bsdf, sky[3u * far + 1u].xyz, sky[3u * far + 2u].xyz);
+    gathered += throughput * from_sky;
+    sum_before += sky_light[pixel].xyz;
     sky_light[pixel] += (float4)(throughput * from_sky, 0.0f);
 #endif
     const MicroStatistics s = statistics[pixel];
@@ -82,5 +86,7 @@ __kernel void add_indirect_light(LUCARIUM_SCENE_PARAMETERS __global const GBuffe
     inspected[pixel] += (float4)((float)shown.levels / (float)max(shown.splats + shown.listed, 1u), (float)shown.listed,
                                  (float)shown.visits, (float)failed[pixel]);
   }
+  const float frames = indirect[pixel].w;
+  deviations[pixel] = sample_deviation(gathered, sum_before / fmax(frames, 1.0f), frames);
   indirect[pixel] = add_sample(indirect[pixel], light);
 }

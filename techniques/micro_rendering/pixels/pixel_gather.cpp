@@ -32,7 +32,8 @@ Program pixel_program(Device& device, const MicroParameters& parameters) {
 PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                          const TypedBuffer<GBufferPoint>& points, uint32_t width, uint32_t height,
                          const PointForest& forest, const GatherPass& gather, const DynamicShading& shading,
-                         const MicroParameters& parameters, bool transmits, const std::string& owner)
+                         const MicroParameters& parameters, bool transmits, const TypedBuffer<float>& deviations,
+                         const std::string& owner)
     : device_(device),
       scheduler_(scheduler),
       scene_(scene),
@@ -49,7 +50,8 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
       parameters_(parameters),
       owner_(owner),
       program_(pixel_program(device, parameters)),
-      primitives_(device) {
+      primitives_(device),
+      deviations_(deviations) {
   const size_t pixels = size_t{width} * height;
   capacity_ = sub_images_.capacity();
   sides_ = transmits ? 2 : 1;
@@ -185,6 +187,7 @@ void PixelGather::record_add() {
       .arg("pixels", width_ * height_)
       .arg("sides", sides_)
       .arg("indirect", indirect_)
+      .arg("deviations", deviations_)
       .arg("inspected", inspected_);
   if (parameters_.gather_env) pass.arg("sky", results_.sky).arg("sky_light", sky_);
   if (parameters_.keeps_levels()) pass.arg("levels", results_.levels);

@@ -17,11 +17,12 @@ namespace lucarium::micro {
 /// every sub-image was.
 class PixelGather {
  public:
-  /// `transmits`: some surface is rough and lets light through; such pixels gather on their far sides too.
+  /// `deviations`: per pixel, of the light that add() adds (LayerSpread). `transmits`: some surface is rough and lets
+  /// light through; such pixels gather on their far sides too.
   PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
               const TypedBuffer<GBufferPoint>& points, uint32_t width, uint32_t height, const PointForest& forest,
               const GatherPass& gather, const DynamicShading& shading, const MicroParameters& parameters,
-              bool transmits, const std::string& owner);
+              bool transmits, const TypedBuffer<float>& deviations, const std::string& owner);
 
   /// Sub-images of a frame; one where only some pixels gather and the others are interpolated.
   uint32_t batches() const { return interpolates() ? 1 : sub_images_.count(); }
@@ -38,6 +39,8 @@ class PixelGather {
   /// `cut_level`, `list_length`, `node_visits`, with `failures` `upsampling_failed`, and `micro_buffer` where a pixel
   /// is inspected. Pixels that no batch has reached yet show the nearest of the sub-images before.
   void resolve(Film& film, bool failures) const;
+  /// Sums of the layer `indirect`, without what gathers see of the environment.
+  const TypedBuffer<float4>& sums() const { return indirect_; }
   const std::map<std::string, double>& counters() const { return counters_; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters, bool transmits);
 
@@ -76,6 +79,7 @@ class PixelGather {
   GatherResults results_;
   TypedBuffer<uint32_t> gather_count_, failed_count_, failed_;
   TypedBuffer<float4> indirect_, inspected_, kept_micro_buffer_;
+  TypedBuffer<float> deviations_;
   TypedBuffer<float4> sky_;  ///< as indirect_, of the environment; with gather_env
   Schedule gather_schedule_, add_schedule_, keep_schedule_;
   Variable<SubImage> gather_sub_, add_sub_, lattice_;

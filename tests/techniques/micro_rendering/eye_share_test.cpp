@@ -2,6 +2,8 @@
 // Further samples of pixels (eye_share): light and edges have less noise, gathers keep their bits.
 #include <doctest/doctest.h>
 
+#include <utility>
+
 #include "lucarium/base/interrupt.h"
 #include "technique_fixture.h"
 #include "test_support.h"
@@ -12,7 +14,7 @@ using namespace lucarium::test;
 
 namespace {
 
-const Parameters shared = {{"eye_share", "0.25"}};
+const Parameters shared = {{"eye_share", "0.25"}}, balanced = {{"eye_share", "-1"}};
 
 /// cancelled: counts the iterations that were, each after one request more than the one before.
 Film picture(const Parameters& more, uint64_t frames, int* cancelled = nullptr) {
@@ -52,8 +54,30 @@ TEST_CASE("further samples of pixels take noise from emission and direct light, 
 
 TEST_CASE("frames with further samples of pixels have their bits after cancelled runs") {
   int cancelled = 0;
-  const Film undisturbed = picture(shared, 2), disturbed = picture(shared, 2, &cancelled);
-  CHECK(cancelled > 3);
-  for (const char* const layer : {"direct", "emission", "indirect"})
-    CHECK(undisturbed.find(layer)->pixels == disturbed.find(layer)->pixels);
+  for (const Parameters& share : {shared, balanced}) {
+    const Film undisturbed = picture(share, 2), disturbed = picture(share, 2, &cancelled);
+    CHECK(std::exchange(cancelled, 0) > 3);
+    for (const char* const layer : {"direct", "emission", "indirect"})
+      CHECK(undisturbed.find(layer)->pixels == disturbed.find(layer)->pixels);
+  }
+}
+
+TEST_CASE("what scatters more gets more samples: noise of direct light, of gathers, and none of either") {
+  const auto eye_samples = [](const Parameters& more) {
+    const Scene scene = load_scene("builtin:cornell");
+    RenderSettings settings = settings_for(scene, 24, 1);
+    settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+    RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings,
+                          with(with(small, balanced), more));
+    session.run({.samples = 3});
+    return session.technique().counters().at("eye samples");
+  };
+  const double one = eye_samples({{"direct_samples", "1"}}), many = eye_samples({{"direct_samples", "64"}});
+  const double fine = eye_samples({{"direct_samples", "1"}, {"micro_size", "32"}});
+  MESSAGE("samples of pixels in 3 frames: ", one, "; with 64 samples of direct light each ", many,
+          "; with micro-buffers of 32 squared ", fine);
+  CHECK(many >= 3);
+  CHECK(one > 2 * many);
+  CHECK(fine > one);
+  CHECK(eye_samples({{"eye_share", "0"}}) == 3);
 }

@@ -15,7 +15,8 @@ EyeLight::EyeLight(Device& device, KernelScheduler& scheduler, const SceneBuffer
       gbuffer_(device, scheduler, scene, intersector, frame, owner, first_surface),
       direct_light_(device, scheduler, scene, intersector, owner, light_kinds),
       sums_(device, owner, size_t{frame.width} * frame.height, {"emission", "direct"}),
-      sample_(device, owner, "sample of direct light", size_t{frame.width} * frame.height, remedies::lower_size) {
+      sample_(device, owner, "sample of direct light", size_t{frame.width} * frame.height, remedies::lower_size),
+      deviations_(device, owner, "deviations of samples", size_t{frame.width} * frame.height, remedies::lower_size) {
   const Program program(device, SourceLibrary(),
                         {"services/eye_light", {"lucarium/services/eye_light/add_eye_light.cl"}, {}});
   ScheduleRecorder clearing = scheduler.record("begin sample of eye light", owner);
@@ -29,7 +30,8 @@ EyeLight::EyeLight(Device& device, KernelScheduler& scheduler, const SceneBuffer
       .arg("count", pixels)
       .arg("direct_sample", sample_)
       .arg("emission", sums_["emission"])
-      .arg("direct", sums_["direct"]);
+      .arg("direct", sums_["direct"])
+      .arg("deviations", deviations_);
   commit_ = adding.compile();
 }
 
@@ -63,7 +65,7 @@ void EyeLight::warm_up() {
 size_t EyeLight::estimate_bytes(uint32_t width, uint32_t height) {
   const size_t pixels = size_t{width} * height;
   return GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels) +
-         LayerSums::estimate_bytes(pixels, 2) + pixels * sizeof(float4);
+         LayerSums::estimate_bytes(pixels, 2) + pixels * (sizeof(float4) + sizeof(float));
 }
 
 }  // namespace lucarium

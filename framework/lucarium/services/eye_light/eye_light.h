@@ -27,6 +27,10 @@ class EyeLight {
   /// Adds the sample to both layers, to its end.
   void commit();
 
+  const LayerSums& sums() const { return sums_; }
+  /// Of the sample that commit() has added, per pixel, for LayerSpread. Another part may use the buffer between two.
+  const TypedBuffer<float>& deviations() const { return deviations_; }
+
   /// Back to no samples, with another camera or seed. The image size stays.
   void set_frame(const Frame& frame);
   void clear();
@@ -42,6 +46,7 @@ class EyeLight {
   DirectLight direct_light_;
   LayerSums sums_;
   TypedBuffer<float4> sample_;  ///< direct light of the sample: xyz sum, w light samples
+  TypedBuffer<float> deviations_;
   Schedule clear_, commit_;
 };
 

@@ -202,3 +202,23 @@ TEST_CASE("a node's radiance is the mean of the leaves below it, its range the d
     REQUIRE(half(radiance[i].y >> 16) == test::within(high[i] - low[i], 0.001));
   }
 }
+
+TEST_CASE("a coarse cut is for pixels alone: nodes gather as with cut_kappa 1") {
+  const Scene scene = load_scene("builtin:cornell");
+  MicroParameters parameters;
+  parameters.points_log2 = 11;
+  parameters.micro_size = 16;
+  parameters.jacobi_level = 7;
+  const auto irradiance = [&](float kappa) {
+    parameters.cut_kappa = kappa;
+    LeafRig rig(scene, parameters);
+    LeafLight light = rig.light(2);
+    rig.spread(light, rig.receive(light, 0, 1));
+    std::vector<float> values;
+    for (const float4& e : light.irradiance().download()) values.insert(values.end(), {e.x, e.y, e.z});
+    return values;
+  };
+  const std::vector<float> one = irradiance(1);
+  CHECK(irradiance(4) == one);
+  CHECK(irradiance(0.5f) != one);
+}
