@@ -268,11 +268,11 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (eye_only) return;
     step_.end = end_of_iteration();
     step_.light_runs = parts_->side_light.runs();
-    const WorkUnits units = work_units(parts_->atlas->info().texel_count, parts_->side_light.run_length(),
-                                       scene().triangle_count(), parts_->camera->pixels());
+    const WorkUnits units = parts_->work_units(scene());
     const bool lit = phase() != Phase::light, done = phase() == Phase::done;
-    step_.eye_earned += earned_eye_samples(parameters_, units, lit && !done ? step_.end - step_.begin : 0,
-                                           wants_light() ? step_.light_runs : 0, lit);
+    step_.eye_earned +=
+        earned_eye_samples(parameters_, parts_->eye_share(parameters_, units), units,
+                           lit && !done ? step_.end - step_.begin : 0, wants_light() ? step_.light_runs : 0, lit);
     step_.eye = step_.eye_earned >= 1 || parts_->camera->samples() == 0 || done;
   }
 

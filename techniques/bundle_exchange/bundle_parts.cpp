@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_exchange/bundle_parts.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "bundle_exchange/base/bundle_program.h"
@@ -89,8 +90,26 @@ bool BundleParts::set_frame(const TechniqueContext& c, const Parameters& p, uint
 }
 
 void BundleParts::commit_sample(bool atlas_known) {
-  camera->commit(atlas_known);
+  camera->commit(atlas_known, std::isfinite(means.indirect_error()));
   if (debug) debug->commit();
+}
+
+WorkUnits BundleParts::work_units(const Scene& scene) const {
+  return bundle::work_units(atlas->info().texel_count, side_light.run_length(), scene.triangle_count(),
+                            camera->pixels());
+}
+
+EyeShare BundleParts::eye_share(const Parameters& parameters, const WorkUnits& units) const {
+  constexpr double least = 0.05, largest = 0.9;  // neither part starves, whatever was measured
+  if (parameters.eye_share >= 0) return {static_cast<double>(parameters.eye_share)};
+  // Of bundles that carry emitted light too nobody knows what share of direct light they bring.
+  if (camera->spread().samples() == 0 || plan_.channels.exchanged()) return {};
+  const double directions = static_cast<double>(means.reflecting(means.directions()));
+  const double error = means.indirect_error();
+  const double of_direction = error * error * directions * camera->spread().indirect_share();
+  return {std::clamp(share_of_work(camera->spread().variance(), units.eye_sample, of_direction, units.direction), least,
+                     largest),
+          true};
 }
 
 void BundleParts::reset(uint32_t seed) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bundle_exchange/bundle_plan.h"
+#include "bundle_exchange/cost.h"
 #include "bundle_exchange/exchange/bundle_transfer.h"
 #include "bundle_exchange/pixels/debug_layers.h"
 #include "bundle_exchange/specular/side_specular.h"
@@ -28,6 +29,10 @@ struct BundleParts {
   void measure_accessibility(const std::function<void(double, const std::string&)>& report);
   /// Adds the camera sample. `atlas_known` as for CameraLight::commit().
   void commit_sample(bool atlas_known);
+  WorkUnits work_units(const Scene& scene) const;
+  /// Share of the work that lowers the error of the image most when it goes to samples of pixels: given, or by the
+  /// variances of these and of a direction, measured so far.
+  EyeShare eye_share(const Parameters& parameters, const WorkUnits& units) const;
   /// Forgets all light and all camera samples.
   void reset(uint32_t seed);
   /// Follows the camera and the image's size; what texel sides know stays. False where all must be built again.

@@ -48,14 +48,14 @@ WorkUnits work_units(uint32_t sides, uint32_t light_run, size_t triangles, uint3
           pixels * kPixelSeconds};
 }
 
-double earned_eye_samples(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
-                          uint32_t light_runs, bool lit) {
-  const auto share = static_cast<double>(parameters.eye_share);
-  if (parameters.pixel_rays == PixelRays::bundle || share == 0) return 1;
+double earned_eye_samples(const Parameters& parameters, const EyeShare& eye, const WorkUnits& units,
+                          uint64_t directions, uint32_t light_runs, bool lit) {
+  if (parameters.pixel_rays == PixelRays::bundle || eye.share == 0) return 1;
   const double other = static_cast<double>(directions) * units.direction + light_runs * units.light_run;
-  const double at_share = share / (1 - share) * other / units.eye_sample;
+  const double at_share = eye.share / (1 - eye.share) * other / units.eye_sample;
   if (!lit) return std::min(1.0, at_share);
-  return std::min(kMaxEyeSamples, std::max(at_share, std::min(1.0, other / units.eye_sample)));
+  const double least = eye.measured ? 0.0 : std::min(1.0, other / units.eye_sample);
+  return std::min(kMaxEyeSamples, std::max(at_share, least));
 }
 
 std::vector<ParameterSaving> savings() {

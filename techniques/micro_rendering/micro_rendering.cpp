@@ -75,9 +75,9 @@
 #include "lucarium/technique/technique_base.h"
 #include "micro_rendering/cost.h"
 #include "micro_rendering/declaration.h"
+#include "micro_rendering/eye_balance.h"
 #include "micro_rendering/gather/gather_pass.h"
 #include "micro_rendering/light/leaf_light.h"
-#include "micro_rendering/pixels/eye_balance.h"
 #include "micro_rendering/pixels/pixel_gather.h"
 #include "micro_rendering/tree/scene_forest.h"
 

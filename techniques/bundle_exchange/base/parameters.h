@@ -46,7 +46,7 @@ struct Parameters {
   bool debug_layers = false;
   float stop_error = 0.01f;
   int camera_samples = 64;
-  float eye_share = 0.25f;
+  float eye_share = -1;
 
   template <class V>
   void describe(V& v) {
@@ -127,9 +127,9 @@ struct Parameters {
     v.number("camera_samples", camera_samples, 0, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged; 0: it never does");
     v.number(
-        "eye_share", eye_share, 0.f, 0.9f, "",
-        "share of the work that goes to samples of pixels, half where one costs more than an iteration's directions; "
-        "0: one per iteration (pixel_rays=bundle: always)");
+        "eye_share", eye_share, -1.f, 0.9f, "",
+        "share of the work that goes to samples of pixels, half where one costs more than an iteration; 0: one per "
+        "iteration (pixel_rays=bundle: always), -1: by measured variances");
     v.presets({{"paper",
                 {{"batch", "1"},
                  {"eye_share", "0"},

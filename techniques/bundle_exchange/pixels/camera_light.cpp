@@ -38,7 +38,7 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
                                             means.diffuse_shown(), means.halves(), chains);
     record_chains(program, scene);
   }
-  record(program, atlas, means, preview);
+  record(device, program, atlas, means, preview);
 }
 
 size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview) {
@@ -46,23 +46,32 @@ size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather 
   const size_t chains =
       gather == FinalGather::off ? 2 * pixels * sizeof(float4) : ChainTracer::estimate_bytes(pixels, 2);
   return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + EyeLight::estimate_bytes(width, height) +
-         LayerSums::estimate_bytes(pixels, preview ? 4 : 2);
+         LayerSums::estimate_bytes(pixels, preview ? 4 : 2) + (preview ? pixels * sizeof(float) : 0);
 }
 
-void CameraLight::record(const Program& program, const SurfaceAtlas& atlas, const SideMeans& means,
+void CameraLight::record(Device& device, const Program& program, const SurfaceAtlas& atlas, const SideMeans& means,
                          const SidePreview* preview) {
   ScheduleRecorder recorder = scheduler_->record("add light of the atlas", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
-  record_atlas_light(recorder, program, atlas, means.halves(), means.shown(), means.shown_direct(), atlas_light_);
-  if (preview)
+  atlas_samples_before_ = recorder.variable("samples", 0u);
+  record_atlas_light(recorder, program, atlas, means.halves(), means.shown(), means.shown_direct(), atlas_light_,
+                     eye_.deviations());
+  if (preview) {
+    // What the preview shows deviates from nothing that is measured: that goes where nobody looks.
+    smooth_deviations_ =
+        TypedBuffer<float>(device, technique_name, "deviations of the preview", pixels_, remedies::lower_size);
     record_atlas_light(recorder, program, atlas, means.halves(), preview->shown(), preview->shown_direct(),
-                       smooth_light_);
+                       smooth_light_, smooth_deviations_);
+  }
   add_ = recorder.compile();
+  const LayerSpread::Shown shown = {eye_.sums()["emission"], eye_.sums()["direct"], atlas_light_["indirect"]};
+  spread_ = std::make_unique<LayerSpread>(device, *scheduler_, shown, eye_.deviations(), technique_name);
 }
 
 void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
                                      const SideHalves& halves, const TypedBuffer<float4>& shown,
-                                     const TypedBuffer<float4>& shown_direct, const LayerSums& image) {
+                                     const TypedBuffer<float4>& shown_direct, const LayerSums& image,
+                                     const TypedBuffer<float>& deviations) {
   PassBuilder add = recorder.pass("add light of the atlas", program, "add_atlas_light");
   atlas.bind(add);
   halves.bind(add);
@@ -70,13 +79,15 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
       .arg("points", eye_.points())
       .arg("count", pixels_)
       .arg("atlas_weight", atlas_weight_)
+      .arg("samples", atlas_samples_before_)
       .arg("whole", whole() ? 1u : 0u)
       .arg("shown", shown)
       .arg("shown_direct", shown_direct)
       .arg("bundled", bundled())
       .arg("gathered", gathered())
       .arg("exchanged", image["direct"])
-      .arg("indirect", image["indirect"]);
+      .arg("indirect", image["indirect"])
+      .arg("deviations", deviations);
 }
 
 void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
@@ -119,12 +130,14 @@ float CameraLight::atlas_weight() const {
   return late_weight(atlas_samples_);
 }
 
-void CameraLight::commit(bool atlas_known) {
+void CameraLight::commit(bool atlas_known, bool measured) {
   ++samples_;
+  add_.set(atlas_samples_before_, atlas_known ? atlas_samples_ : 0u);
   atlas_samples_ = atlas_known ? atlas_samples_ + 1 : 0;
   add_.set(atlas_weight_, atlas_weight());
   eye_.commit();
   scheduler_->run_to_end(add_);
+  if (measured) spread_->measure();
 }
 
 void CameraLight::reset(uint32_t seed) {
@@ -139,6 +152,7 @@ void CameraLight::set_frame(const Frame& frame) {
   frame_.seed = seed;
   eye_.set_frame(frame_);
   atlas_light_.clear();
+  spread_->clear();
   smooth_light_.clear();
   samples_ = atlas_samples_ = 0;
 }
@@ -151,6 +165,7 @@ void CameraLight::warm_up() {
     chains_->chains().warm_up();
   }
   scheduler_->warm_up(add_);
+  spread_->warm_up();
 }
 
 void CameraLight::resolve(Film& film, bool smoothed) const {

@@ -6,6 +6,7 @@
 #include "bundle_exchange/senders/side_preview.h"
 #include "bundle_exchange/specular/chain_tracer.h"
 #include "lucarium/services/eye_light/eye_light.h"
+#include "lucarium/services/layer_spread/layer_spread.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
 namespace lucarium::bundle {
@@ -32,14 +33,15 @@ class CameraLight {
 
   /// The next sample, in two steps, between which bundles may gather for its points (pixel_gather()); false when
   /// cancelled. commit() then adds it, looking up the atlas as it is then; what the atlas said while it knew nothing is
-  /// forgotten.
+  /// forgotten. `measured`: how far it lies from those before counts for spread().
   bool begin_sample();
   bool sample();
-  void commit(bool atlas_known);
+  void commit(bool atlas_known, bool measured);
   void reset(uint32_t seed);
   void set_frame(const Frame& frame);
   bool fits(const Frame& frame) const { return frame.width == frame_.width && frame.height == frame_.height; }
   void warm_up();
+  const LayerSpread& spread() const { return *spread_; }
   uint32_t samples() const { return samples_; }
   uint32_t atlas_samples() const { return atlas_samples_; }  ///< of them, in the mean of what the atlas says
   /// `smoothed`: the image of the preview.
@@ -57,11 +59,13 @@ class CameraLight {
   static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
  private:
-  void record(const Program& program, const SurfaceAtlas& atlas, const SideMeans& means, const SidePreview* preview);
+  void record(Device& device, const Program& program, const SurfaceAtlas& atlas, const SideMeans& means,
+              const SidePreview* preview);
   /// What the atlas knows, mixed into an image.
   void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
                           const SideHalves& halves, const TypedBuffer<float4>& shown,
-                          const TypedBuffer<float4>& shown_direct, const LayerSums& image);
+                          const TypedBuffer<float4>& shown_direct, const LayerSums& image,
+                          const TypedBuffer<float>& deviations);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
   KernelScheduler* scheduler_;
@@ -71,12 +75,15 @@ class CameraLight {
   EyeLight eye_;
   LayerSums atlas_light_;   ///< means: `direct`, where bundles bring it, and `indirect`
   LayerSums smooth_light_;  ///< the same by what the preview shows
+  TypedBuffer<float> smooth_deviations_;
   TypedBuffer<float4> no_contributions_;
   std::unique_ptr<ChainTracer> chains_;  ///< null where nothing is gathered
   std::unique_ptr<PixelGather> bundles_;
   Schedule begin_, add_;
   Variable<ChainSettings> settings_;
   Variable<float> atlas_weight_;
+  Variable<uint32_t> atlas_samples_before_;
+  std::unique_ptr<LayerSpread> spread_;  ///< of samples of pixels, in the light that the atlas has
 };
 
 }  // namespace lucarium::bundle

@@ -92,6 +92,8 @@ class SideMeans {
   uint64_t batches() const { return batches_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches of all the light.
   double relative_error() const { return relative_error_; }
+  /// The same of reflected light alone.
+  double indirect_error() const { return indirect_error_; }
   /// Whether reflected light is known well enough (of the wanted error it makes up half of the variance at most), and
   /// only emission is exchanged further, which takes longer.
   bool reflected_light_done() const { return directions_ >= reflected_end_; }

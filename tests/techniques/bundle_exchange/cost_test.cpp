@@ -42,31 +42,35 @@ TEST_CASE("fewer texels and rays take less time, and a budget gets those that it
 TEST_CASE("direct light and edges starved: pixels got one sample for each step of the exchange, whatever that cost") {
   WorkUnits units{.direction = 0.01, .light_run = 0.02, .eye_sample = 0.004};
   Parameters parameters;
+  EyeShare eye;
   const auto samples = [&](uint64_t directions, uint32_t light_runs, bool lit = true) {
-    return earned_eye_samples(parameters, units, directions, light_runs, lit);
+    return earned_eye_samples(parameters, eye, units, directions, light_runs, lit);
   };
   const double work = 12 * units.direction + 6 * units.light_run;
   const auto share_of = [&](double eye_samples) {
     const double eye = eye_samples * units.eye_sample;
     return eye / (work + eye);
   };
-  for (const float share : {0.25f, 0.5f, 0.8f}) {
-    parameters.eye_share = share;
+  for (const double share : {0.25, 0.5, 0.8}) {
+    eye.share = share;
     CHECK(share_of(samples(12, 6)) == test::relative(share, 1e-6));
     CHECK(samples(12, 6, false) == 1);  // no more before there is indirect light
   }
   CHECK(samples(0, 0) == 0);
   CHECK(samples(1'000'000, 0) == 256);
-  parameters.eye_share = 0;
+  eye.share = 0;
   CHECK(samples(12, 6) == 1);
-  parameters.eye_share = 0.5f;
+  eye.share = 0.5;
   parameters.pixel_rays = PixelRays::bundle;  // which have bundles of their own
   CHECK(samples(12, 6) == 1);
   // Dear samples: directions starved beside them, and light at texels came late.
   parameters = {};
+  eye = {};
   units.eye_sample = 1.2;
   CHECK(share_of(samples(12, 6)) == test::relative(0.5, 1e-6));
   CHECK(share_of(samples(12, 6, false)) == test::relative(0.25, 1e-6));
-  parameters.eye_share = 0.8f;
+  eye.measured = true;  // as variances say, however dear
+  CHECK(share_of(samples(12, 6)) == test::relative(0.25, 1e-6));
+  eye = {0.8};
   CHECK(share_of(samples(12, 6)) == test::relative(0.8, 1e-6));
 }

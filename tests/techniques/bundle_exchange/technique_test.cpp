@@ -111,7 +111,8 @@ TEST_CASE("iterations can be cancelled anywhere, batches that several of them sh
   const Options by_texels = {
       {"texels", "4096"},    {"batch", "16"},         {"directions", "96"},     {"stop_error", "0"},
       {"transfer", "texel"}, {"final_gather", "all"}, {"pixel_rays", "bundle"}, {"direct_mode", "exchange"}};
-  for (const Options& options : {by_lights, by_texels}) {
+  const Options by_variances = {{"texels", "1024"}, {"batch", "1"}, {"directions", "1000"}, {"stop_error", "0"}};
+  for (const Options& options : {by_lights, by_texels, by_variances}) {
     const uint64_t iterations = 20;
     const auto whole = session("bundle_exchange", load_scene("builtin:spheres"), -1, options);
     whole->run({.iterations = iterations});
@@ -133,6 +134,31 @@ TEST_CASE("iterations can be cancelled anywhere, batches that several of them sh
     CHECK(halting->last().samples == whole->last().samples);
     CHECK(indirect(*halting) == indirect(*whole));
   }
+}
+
+TEST_CASE("samples of pixels get the more work the more they scatter") {
+  // The Cornell box by its lamp, from which direct light is noisy, or by a point light, from which it is not.
+  const auto samples = [](bool point_light, const Options& more, const char* name = "builtin:cornell") {
+    Scene scene = load_scene(name);
+    if (point_light) {
+      for (SceneMaterial& material : scene.materials) material.emissive_factor = glm::vec3(0);
+      add_light(scene, LightType::point, 10, {0.1f, 1.5f, 0.1f}, {0, 0, 0});
+    }
+    const auto run = session("bundle_exchange", std::move(scene), -1,
+                             with({{"texels", "4096"}, {"batch", "1"}, {"stop_error", "0"}}, more));
+    const auto to = [&](double directions) {
+      while (run->technique().counters().at("directions") < directions) run->iterate();
+      return static_cast<double>(run->last().samples);
+    };
+    const double before = to(128);  // nothing is known at first
+    return to(640) - before;
+  };
+  const double noisy = samples(false, {}), exact = samples(true, {});
+  const double glossy = samples(true, {}, "builtin:cornell-glossy");  // what pixels trace is noisy
+  MESSAGE("samples of pixels in 512 directions: ", noisy, ", with a point light ", exact, ", glossy ", glossy);
+  CHECK(glossy > 1.3 * exact);
+  CHECK(noisy > 3 * exact);
+  CHECK(samples(false, {{"eye_share", "0.25"}}) == relative(samples(true, {{"eye_share", "0.25"}}), 0.1));
 }
 
 TEST_CASE("dear pixels do not delay light at texels and directions, which had one sample of them in each iteration") {

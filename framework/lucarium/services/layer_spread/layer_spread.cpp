@@ -63,10 +63,16 @@ void LayerSpread::clear() {
   sum_ = luminance_ = indirect_share_ = 0;
 }
 
-double samples_for_each(double cheap_variance, double cheap_work, double dear_variance, double dear_work, double most) {
+double samples_for_each(double cheap_variance, double cheap_work, double dear_variance, double dear_work,
+                        double largest) {
   if (!(cheap_variance > 0)) return 0;
-  if (!(dear_variance > 0)) return most;
-  return std::min(most, std::sqrt(cheap_variance * dear_work / (cheap_work * dear_variance)));
+  if (!(dear_variance > 0)) return largest;
+  return std::min(largest, std::sqrt(cheap_variance * dear_work / (cheap_work * dear_variance)));
+}
+
+double share_of_work(double variance, double work, double other_variance, double other_work) {
+  const double own = std::sqrt(variance * work), other = std::sqrt(other_variance * other_work);
+  return own > 0 ? own / (own + other) : 0;
 }
 
 }  // namespace lucarium

@@ -49,7 +49,12 @@ class LayerSpread {
 
 /// How many samples of a cheap part the image should have for each of a dear one, so that its error falls most for all
 /// work: numbers of samples go as √(variance / work of a sample). 0 where the cheap part has no variance; never
-/// infinite: `most` at most.
-double samples_for_each(double cheap_variance, double cheap_work, double dear_variance, double dear_work, double most);
+/// infinite: `largest` at most.
+double samples_for_each(double cheap_variance, double cheap_work, double dear_variance, double dear_work,
+                        double largest);
+
+/// The same as a share of all work: √(variance · work of a sample) of both parts over their sum. 1 where the other part
+/// has no variance, 0 where neither has.
+double share_of_work(double variance, double work, double other_variance, double other_work);
 
 }  // namespace lucarium

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "micro_rendering/pixels/eye_balance.h"
+#include "micro_rendering/eye_balance.h"
 
 #include <algorithm>
 #include <cmath>
