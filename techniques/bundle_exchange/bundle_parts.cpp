@@ -39,7 +39,9 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
                  technique_name, remedies::lower_texels, true),
       means(*c.device, c.scheduler, program, *atlas, *accessibility, side_light.light_samples(), plan.channels, p),
       preview(plan.preview ? std::make_unique<SidePreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
-      plan_(plan) {
+      plan_(plan),
+      // Of bundles that carry emitted light too nobody knows what share of direct light they bring.
+      measures_(p.eye_share < 0 && !plan.channels.exchanged()) {
   make_camera(c);
   make_transfer(c, p);
   if (!accessibility->complete())
@@ -90,29 +92,31 @@ bool BundleParts::set_frame(const TechniqueContext& c, const Parameters& p, uint
 }
 
 void BundleParts::commit_sample(bool atlas_known) {
-  camera->commit(atlas_known, std::isfinite(means.indirect_error()));
+  camera->commit(atlas_known, measures_ && std::isfinite(means.direction_variance()));
+  seen_directions_ = means.directions();
   if (debug) debug->commit();
 }
 
 WorkUnits BundleParts::work_units(const Scene& scene) const {
   return bundle::work_units(atlas->info().texel_count, side_light.run_length(), scene.triangle_count(),
-                            camera->pixels());
+                            camera->pixels(), camera->rays_per_sample());
 }
 
 EyeShare BundleParts::eye_share(const Parameters& parameters, const WorkUnits& units) const {
   constexpr double least = 0.05, largest = 0.9;  // neither part starves, whatever was measured
   if (parameters.eye_share >= 0) return {static_cast<double>(parameters.eye_share)};
-  // Of bundles that carry emitted light too nobody knows what share of direct light they bring.
-  if (camera->spread().samples() == 0 || plan_.channels.exchanged()) return {};
-  const double directions = static_cast<double>(means.reflecting(means.directions()));
-  const double error = means.indirect_error();
-  const double of_direction = error * error * directions * camera->spread().indirect_share();
-  return {std::clamp(share_of_work(camera->spread().variance(), units.eye_sample, of_direction, units.direction), least,
-                     largest),
-          true};
+  if (camera->spread().samples() == 0) return {};
+  const LayerSpread& pixels = camera->spread();
+  const double direction = means.direction_variance() * pixels.indirect_share();
+  const double share = share_of_work(pixels.variance(), units.eye_sample, direction, units.direction);
+  // A picture is a mean over what texels knew when pixels were sampled.
+  constexpr double due = 1.25;  // times as many directions as then
+  return {std::clamp(share, least, largest), true,
+          static_cast<double>(means.directions()) > due * static_cast<double>(seen_directions_)};
 }
 
 void BundleParts::reset(uint32_t seed) {
+  seen_directions_ = 0;
   if (specular) specular->reset();
   side_light.reset(seed);
   means.reset();

@@ -68,6 +68,8 @@ struct BundleParts {
   void make_transfer(const TechniqueContext& c, const Parameters& p);
   void make_debug(const TechniqueContext& c);
   BundlePlan plan_;
+  bool measures_;                 ///< how far samples of pixels scatter
+  uint64_t seen_directions_ = 0;  ///< of texels, at the last sample of pixels
 };
 
 }  // namespace lucarium::bundle

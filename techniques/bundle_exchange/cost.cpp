@@ -21,6 +21,7 @@ constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kFirstDirections = 64;         // that give a picture
 constexpr double kMaxEyeSamples = 256;          // of a step
 constexpr double kLightSampleSeconds = 3e-7;    // a light sample of a texel side
+constexpr double kChainRaySeconds = 4e-7;       // a ray of a chain, with what follows from its hit
 
 }  // namespace
 
@@ -43,9 +44,9 @@ double estimate_seconds(const BundlePlan& plan, const Parameters& parameters, co
   return atlas / power.host + device / power.device;
 }
 
-WorkUnits work_units(uint32_t sides, uint32_t light_run, size_t triangles, uint32_t pixels) {
+WorkUnits work_units(uint32_t sides, uint32_t light_run, size_t triangles, uint32_t pixels, double rays) {
   return {sides * kTexelSeconds + static_cast<double>(triangles) * kTriangleSeconds, light_run * kLightSampleSeconds,
-          pixels * kPixelSeconds};
+          pixels * kPixelSeconds + rays * kChainRaySeconds};
 }
 
 double earned_eye_samples(const Parameters& parameters, const EyeShare& eye, const WorkUnits& units,
@@ -54,7 +55,7 @@ double earned_eye_samples(const Parameters& parameters, const EyeShare& eye, con
   const double other = static_cast<double>(directions) * units.direction + light_runs * units.light_run;
   const double at_share = eye.share / (1 - eye.share) * other / units.eye_sample;
   if (!lit) return std::min(1.0, at_share);
-  const double least = eye.measured ? 0.0 : std::min(1.0, other / units.eye_sample);
+  const double least = eye.measured ? (eye.due ? 1.0 : 0.0) : std::min(1.0, other / units.eye_sample);
   return std::min(kMaxEyeSamples, std::max(at_share, least));
 }
 

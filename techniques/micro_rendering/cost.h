@@ -22,15 +22,16 @@ struct FrameWork {
 FrameWork frame_work(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings,
                      double visits = 0);
 
-constexpr uint32_t kMaxEyeSamples = 64;  // of a frame
+constexpr uint32_t kMaxEyeSamples = 64;  // of a frame, and of each on average
 
-/// Samples of pixels that belong to a frame, so that they are `eye_share` of its work; 1 or more.
+/// Samples of pixels that belong to a frame, so that they are `eye_share` of its work, which is given; 1 or more.
 uint32_t eye_samples_per_frame(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings);
 
 /// The variance, relative to the light that is gathered, that a frame of gathers is taken to have before it is known.
 double assumed_gather_variance(const MicroParameters& parameters);
 
-/// What may be lowered for a budget: points, gathers for several bounces, micro-buffers; at last pixels.
+/// What may be lowered for a budget: the cut, half of the points, gathers for several bounces, micro-buffers, pixels
+/// that gather; at last more of all but the cut.
 std::vector<ParameterSaving> savings();
 
 }  // namespace lucarium::micro

@@ -8,7 +8,7 @@ namespace lucarium::micro {
 namespace {
 
 LayerSpread::Shown shown(const EyeLight& eye, const PixelGather& gathers) {
-  return {eye.sums()["emission"], eye.sums()["direct"], gathers.sums()};
+  return {eye.sums()["emission"], eye.sums()["direct"], gathers.sums(), gathers.sky_sums()};
 }
 
 }  // namespace
@@ -19,22 +19,29 @@ EyeBalance::EyeBalance(Device& device, KernelScheduler& scheduler, const EyeLigh
       eye_spread_(device, scheduler, shown(eye, gathers), eye.deviations(), owner),
       gather_spread_(device, scheduler, shown(eye, gathers), eye.deviations(), owner) {}
 
+void EyeBalance::frame_added() {
+  gather_spread_.measure();
+  before_frame_ = eye_spread_.samples();
+}
+
 uint32_t EyeBalance::further_samples(uint32_t frames, const MicroParameters& parameters, const Scene& scene,
                                      const RenderSettings& settings) const {
   if (eye_spread_.samples() == 0) return 1;
   const FrameWork work = frame_work(parameters, scene, settings, (visits() - visits_before_) / frames);
   const double gather_variance = gather_spread_.samples() > 0
                                      ? gather_spread_.variance()
-                                     : assumed_gather_variance(parameters) * gather_spread_.indirect_share();
+                                     : assumed_gather_variance(parameters) * eye_spread_.indirect_share();
   const double samples =
       frames * samples_for_each(eye_spread_.variance(), work.eye, gather_variance, work.indirect, kMaxEyeSamples);
   const double done = eye_spread_.samples() + 1;
-  return static_cast<uint32_t>(std::max(0.0, std::round(samples) - done));
+  const double left = double{kMaxEyeSamples} - (eye_spread_.samples() - before_frame_);
+  return static_cast<uint32_t>(std::max(0.0, std::min(std::round(samples) - done, left)));
 }
 
 void EyeBalance::clear() {
   eye_spread_.clear();
   gather_spread_.clear();
+  before_frame_ = 0;
   visits_before_ = visits();
 }
 

@@ -20,9 +20,9 @@ class EyeBalance {
   /// After a sample of the eye's light was added.
   void eye_added() { eye_spread_.measure(); }
   /// After a frame of gathers was added.
-  void frame_added() { gather_spread_.measure(); }
-  /// Samples of the eye's light that are to follow, with `frames` of gathers done. One at least where nothing is known
-  /// yet of how they scatter.
+  void frame_added();
+  /// Samples of the eye's light that are to follow, with `frames` of gathers done; kMaxEyeSamples at most since the
+  /// last one was. One at least where nothing is known yet of how they scatter.
   uint32_t further_samples(uint32_t frames, const MicroParameters& parameters, const Scene& scene,
                            const RenderSettings& settings) const;
   void clear();
@@ -33,7 +33,8 @@ class EyeBalance {
 
   const PixelGather& gathers_;
   LayerSpread eye_spread_, gather_spread_;
-  double visits_before_ = 0;  ///< counted before clear()
+  uint32_t before_frame_ = 0;  ///< samples of the eye's light, when the last frame of gathers was done
+  double visits_before_ = 0;   ///< counted before clear()
 };
 
 }  // namespace lucarium::micro

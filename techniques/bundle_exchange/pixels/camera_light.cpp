@@ -155,6 +155,7 @@ void CameraLight::set_frame(const Frame& frame) {
   spread_->clear();
   smooth_light_.clear();
   samples_ = atlas_samples_ = 0;
+  rays_before_ = rays();
 }
 
 void CameraLight::warm_up() {

@@ -55,6 +55,7 @@ class CameraLight {
   uint32_t pixels() const { return pixels_; }
   bool whole() const { return options_.gather == FinalGather::all; }  ///< nothing is looked up at pixels
   PixelGather* pixel_gather() { return bundles_.get(); }              ///< null where bundles gather nothing
+  double rays_per_sample() const { return samples_ > 0 ? static_cast<double>(rays() - rays_before_) / samples_ : 0; }
   uint64_t rays() const { return chains_ ? chains_->chains().rays() : 0; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
@@ -72,6 +73,7 @@ class CameraLight {
   Options options_;
   Frame frame_;
   uint32_t pixels_, samples_ = 0, atlas_samples_ = 0;
+  uint64_t rays_before_ = 0;  ///< of samples that set_frame() has dropped
   EyeLight eye_;
   LayerSums atlas_light_;   ///< means: `direct`, where bundles bring it, and `indirect`
   LayerSums smooth_light_;  ///< the same by what the preview shows

@@ -286,6 +286,7 @@ void SideMeans::commit(uint64_t first, uint32_t count) {
 void SideMeans::measure_errors() {
   scheduler_->run_to_end(measure_);
   scheduler_->finish();
+  measured_ = reflecting(directions_);
   if (!channels_.exchanged() || channels_.reflected() == 0 || !forgets(parameters_) || directions_ >= reflected_end_)
     return;
   if (indirect_error_ < kIndirectPart * static_cast<double>(parameters_.stop_error)) reflected_end_ = directions_;
@@ -300,6 +301,7 @@ void SideMeans::reset() {
   directions_ = batches_ = head_batches_ = 0;
   reflected_end_ = UINT64_MAX;
   relative_error_ = indirect_error_ = kUnknown;
+  measured_ = 0;
 }
 
 SideMeans::Kept SideMeans::keep() const {
@@ -336,6 +338,7 @@ void SideMeans::load(const StateReader& chunks) {
   directions_ = progress[0], batches_ = progress[1], head_batches_ = progress[2], reflected_end_ = progress[3];
   const std::vector<double> errors = chunks.get<double>("errors", 2);
   relative_error_ = errors[0], indirect_error_ = errors[1];
+  measured_ = reflecting(directions_);
   if (std::isnan(relative_error_) || std::isnan(indirect_error_)) chunks.fail("errors", "an error is not a number");
 }
 

@@ -92,8 +92,9 @@ class SideMeans {
   uint64_t batches() const { return batches_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches of all the light.
   double relative_error() const { return relative_error_; }
-  /// The same of reflected light alone.
-  double indirect_error() const { return indirect_error_; }
+  /// Relative variance of what a direction brings of reflected light: the square of the error of that alone times the
+  /// directions, both when it was measured last. Where light is uneven this is too small: errors are averaged first.
+  double direction_variance() const { return indirect_error_ * indirect_error_ * static_cast<double>(measured_); }
   /// Whether reflected light is known well enough (of the wanted error it makes up half of the variance at most), and
   /// only emission is exchanged further, which takes longer.
   bool reflected_light_done() const { return directions_ >= reflected_end_; }
@@ -141,6 +142,7 @@ class SideMeans {
   uint64_t head_batches_ = 0;            ///< of them, those of direct_first
   uint64_t reflected_end_ = UINT64_MAX;  ///< directions after which only emission travels
   double relative_error_, indirect_error_;
+  uint64_t measured_ = 0;  ///< directions with reflected light when the errors were measured
 };
 
 }  // namespace lucarium::bundle

@@ -49,6 +49,9 @@ __kernel void add_indirect_light(LUCARIUM_SCENE_PARAMETERS __global const GBuffe
   LUCARIUM_SCENE_BIND(scene);
   const uint pixel = sub_image_pixel(sub, i);
   float3 light = (float3)(0.0f), gathered = (float3)(0.0f), sum_before = indirect[pixel].xyz;
+#if MICRO_GATHER_ENV
+  sum_before += sky_light[pixel].xyz;
+#endif
   if (points[pixel].state == LUCARIUM_GBUFFER_SURFACE) {
     // Reflect and transmit what was gathered, by the pixel's own material.
     const Surface surface = gbuffer_surface(&scene, points[pixel]);
@@ -64,7 +67,6 @@ __kernel void add_indirect_light(LUCARIUM_SCENE_PARAMETERS __global const GBuffe
     float3 from_sky = reflected_light(&bsdf, sky[3u * pixel].xyz, sky[3u * pixel + 1u].xyz, sky[3u * pixel + 2u].xyz);
     if (through) from_sky += transmitted_light(&bsdf, sky[3u * far + 1u].xyz, sky[3u * far + 2u].xyz);
     gathered += throughput * from_sky;
-    sum_before += sky_light[pixel].xyz;
     sky_light[pixel] += (float4)(throughput * from_sky, 0.0f);
 #endif
     const MicroStatistics s = statistics[pixel];

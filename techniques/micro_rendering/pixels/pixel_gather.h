@@ -39,8 +39,9 @@ class PixelGather {
   /// `cut_level`, `list_length`, `node_visits`, with `failures` `upsampling_failed`, and `micro_buffer` where a pixel
   /// is inspected. Pixels that no batch has reached yet show the nearest of the sub-images before.
   void resolve(Film& film, bool failures) const;
-  /// Sums of the layer `indirect`, without what gathers see of the environment.
+  /// Sums of the layer `indirect`, and with gather_env of what gathers see of the environment.
   const TypedBuffer<float4>& sums() const { return indirect_; }
+  const TypedBuffer<float4>& sky_sums() const { return sky_; }
   const std::map<std::string, double>& counters() const { return counters_; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters, bool transmits);
 

@@ -3,6 +3,8 @@
 // that follow from it.
 #include "lucarium/services/layer_spread/layer_spread.h"
 
+#include <limits>
+
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/services/eye_light/eye_light.h"
 #include "lucarium/services/path_integrator/path_integrator.h"
@@ -108,6 +110,15 @@ TEST_CASE("the spread of samples is their variance over the square of what is sh
   MESSAGE("spread ", spread.variance(), ", variance of samples ", scatter / static_cast<double>(before.size()));
   CHECK(spread.variance() == relative(scatter / static_cast<double>(before.size()), 0.2));
 
+  // Pixels that are not finite are left out.
+  std::vector<float4> broken = reflected;
+  broken[5].x = std::numeric_limits<float>::infinity();
+  broken[700].y = std::numeric_limits<float>::quiet_NaN();
+  rig.indirect.upload(broken);
+  spread.measure();
+  CHECK(spread.variance() > 0);
+  CHECK(spread.indirect_share() == relative(share / static_cast<double>(before.size()), 0.01));
+
   spread.clear();
   CHECK(spread.samples() == 0);
   CHECK(spread.variance() == 0);
@@ -125,6 +136,14 @@ TEST_CASE("numbers of samples that follow from variances have the least error fo
         for (const double other : {0.5, 0.9, 1.1, 2.0})
           CHECK(error(best, v, c, 0.2, d) < error(other * best, v, c, 0.2, d));
       }
+  // As a share of all work: half each where parts scatter and cost alike, twice the other where it scatters fourfold.
+  CHECK(share_of_work(0.3, 2, 0.3, 2) == doctest::Approx(0.5));
+  CHECK(share_of_work(4, 2, 1, 2) == doctest::Approx(2.0 / 3));
+  CHECK(share_of_work(1, 8, 1, 2) == doctest::Approx(2.0 / 3));
+  CHECK(share_of_work(0, 1, 1, 1) == 0);
+  CHECK(share_of_work(1, 1, 0, 1) == 1);
+  CHECK(share_of_work(0, 1, 0, 1) == 0);
+  CHECK(share_of_work(1, 1, std::numeric_limits<double>::quiet_NaN(), 1) == 0);
   CHECK(samples_for_each(0, 1, 1, 1, 64) == 0);
   CHECK(samples_for_each(1, 1, 0, 1, 64) == 64);
   CHECK(samples_for_each(1, 1e-9, 1, 1, 64) == 64);

@@ -71,6 +71,8 @@ TEST_CASE("direct light and edges starved: pixels got one sample for each step o
   CHECK(share_of(samples(12, 6, false)) == test::relative(0.25, 1e-6));
   eye.measured = true;  // as variances say, however dear
   CHECK(share_of(samples(12, 6)) == test::relative(0.25, 1e-6));
+  eye.due = true;  // except where a picture lags behind
+  CHECK(samples(12, 6) == 1);
   eye = {0.8};
   CHECK(share_of(samples(12, 6)) == test::relative(0.8, 1e-6));
 }

@@ -81,3 +81,47 @@ TEST_CASE("what scatters more gets more samples: noise of direct light, of gathe
   CHECK(fine > one);
   CHECK(eye_samples({{"eye_share", "0"}}) == 3);
 }
+
+TEST_CASE("shares by measured variances: a restart has the bits of a fresh session, and frames may have many batches") {
+  const Scene scene = load_scene("builtin:cornell");
+  for (const Parameters& more : {Parameters{{"batch_gathers", "64"}}, Parameters{{"gather_step", "3"}},
+                                 Parameters{{"multibounce", "instant_radiosity"}, {"gather_visible", "off"}}}) {
+    RenderSettings settings = settings_for(scene, 24, 1);
+    settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+    const auto session = [&](uint32_t seed) {
+      settings.seed = seed;
+      return std::make_unique<RenderSession>(Device::open(), scene, registry().find("micro_rendering"), settings,
+                                             with(with(small, balanced), more));
+    };
+    const auto fresh = session(2), restarted = session(1);
+    fresh->run({.samples = 3});
+    restarted->run({.samples = 2});
+    restarted->restart(2);
+    restarted->run({.samples = 3});
+    const double samples = fresh->technique().counters().at("eye samples");
+    CHECK(samples > 3);
+    CHECK(samples <= 3 * 65);
+    CHECK(restarted->technique().counters().at("eye samples") == samples);
+    const Film one = fresh->resolve(), other = restarted->resolve();
+    for (const char* const layer : {"direct", "emission", "indirect"})
+      CHECK(one.find(layer)->pixels == other.find(layer)->pixels);
+  }
+}
+
+TEST_CASE("with gather_env what gathers see of the sky counts for the shares") {
+  // A furnace of sky alone has no light by samples: nothing scatters but gathers and edges.
+  const auto eye_samples = [](const char* gather_env) {
+    Scene scene = load_scene("builtin:cornell");
+    for (SceneMaterial& material : scene.materials) material.emissive_factor = glm::vec3(0);
+    scene.environment.emplace();
+    scene.environment->factor = glm::vec3(1);
+    RenderSettings settings = settings_for(scene, 24, 1);
+    RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings,
+                          with(with(small, balanced), {{"gather_env", gather_env}, {"direct_samples", "1"}}));
+    session.run({.samples = 3});
+    return session.technique().counters().at("eye samples");
+  };
+  const double sampled = eye_samples("off"), gathered = eye_samples("on");
+  MESSAGE("samples of pixels in 3 frames: ", sampled, ", with the sky gathered ", gathered);
+  CHECK(gathered < 0.5 * sampled);
+}

@@ -33,6 +33,8 @@ LayerSpread::LayerSpread(Device& device, KernelScheduler& scheduler, const Shown
       .arg("emission", shown.emission)
       .arg("direct", shown.direct)
       .arg("indirect", shown.indirect)
+      .arg("has_sky", shown.sky.count() > 0 ? 1u : 0u)
+      .arg("sky", shown.sky.count() > 0 ? shown.sky : shown.indirect)
       .arg("sums", sums);
   recorder.read_back("spread", sums, [this](std::span<const std::byte> bytes) { take(bytes); });
   schedule_ = recorder.compile();
@@ -52,6 +54,7 @@ void LayerSpread::take(std::span<const std::byte> bytes) {
     indirect += static_cast<double>(sum.y);
     luminance += static_cast<double>(sum.z);
   }
+  if (!std::isfinite(deviations + indirect + luminance)) return;
   // The first sample has no luminance to be weighted by, and nothing that it deviates from.
   if (samples_++ > 0) sum_ += deviations / pixels_;
   indirect_share_ = indirect / pixels_;
@@ -72,7 +75,7 @@ double samples_for_each(double cheap_variance, double cheap_work, double dear_va
 
 double share_of_work(double variance, double work, double other_variance, double other_work) {
   const double own = std::sqrt(variance * work), other = std::sqrt(other_variance * other_work);
-  return own > 0 ? own / (own + other) : 0;
+  return own > 0 && std::isfinite(own + other) ? own / (own + other) : 0;
 }
 
 }  // namespace lucarium

@@ -18,6 +18,7 @@ class LayerSpread {
   /// What an image shows: the sum of the means of these layers, each with a sum and a weight per pixel.
   struct Shown {
     TypedBuffer<float4> emission, direct, indirect;
+    TypedBuffer<float4> sky = {};  ///< more of the sums of `indirect`, with its weights; may be empty
   };
   /// `deviations`: one per pixel, of the sample added last [cd²/m⁴]. Shared by several parts, which take turns.
   LayerSpread(Device& device, KernelScheduler& scheduler, const Shown& shown, const TypedBuffer<float>& deviations,
@@ -54,7 +55,7 @@ double samples_for_each(double cheap_variance, double cheap_work, double dear_va
                         double largest);
 
 /// The same as a share of all work: √(variance · work of a sample) of both parts over their sum. 1 where the other part
-/// has no variance, 0 where neither has.
+/// has no variance, 0 where neither has, or a value is not finite.
 double share_of_work(double variance, double work, double other_variance, double other_work);
 
 }  // namespace lucarium
