@@ -116,6 +116,7 @@ TEST_CASE("the spread of samples is their variance over the square of what is sh
   broken[700].y = std::numeric_limits<float>::quiet_NaN();
   rig.indirect.upload(broken);
   spread.measure();
+  CHECK(spread.samples() == samples);
   CHECK(spread.variance() > 0);
   CHECK(spread.indirect_share() == relative(share / static_cast<double>(before.size()), 0.01));
 
