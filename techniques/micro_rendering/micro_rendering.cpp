@@ -361,6 +361,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     std::map<std::string, double> all = counted_before_;
     if (pixels_)
       for (const auto& [name, count] : pixels_->counters()) all[name] += count;
+    // Of the picture, since restart().
     all["eye samples"] = static_cast<double>(samples() + further_ + (seen_ || batch_ > 0 || further_left_ > 0 ? 1 : 0));
     if (leaf_light_) all["gathers at nodes"] += static_cast<double>(leaf_light_->gathers());
     return all;

@@ -8,14 +8,16 @@
 // shown, shown_direct (BUNDLE_EXCHANGED): irradiance over pi of texel sides times w, their accessibility, or 0 where it
 // is not known. gathered: light of chains that begin at the pixels, scattered once and more often; they bring all there
 // is where they are `whole`. bundled: the same, sums over the directions whose number is in w. exchanged: direct light
-// that bundles have carried. deviations: += how far this sample lies from the mean of the `samples` before.
+// that bundles have carried. deviations, where it
+// `deviates`: += how far this sample lies from the mean of the `samples` before.
 __kernel void add_atlas_light(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                               __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                               SIDE_HALVES_PARAMETERS __global const GBufferPoint* restrict points, uint count,
-                              float atlas_weight, uint samples, uint whole, __global const float4* restrict shown,
-                              __global const float4* restrict shown_direct, __global const float4* restrict bundled,
-                              __global const float4* restrict gathered, __global float4* restrict exchanged,
-                              __global float4* restrict indirect, __global float* restrict deviations) {
+                              float atlas_weight, uint samples, uint deviates, uint whole,
+                              __global const float4* restrict shown, __global const float4* restrict shown_direct,
+                              __global const float4* restrict bundled, __global const float4* restrict gathered,
+                              __global float4* restrict exchanged, __global float4* restrict indirect,
+                              __global float* restrict deviations) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const GBufferPoint point = points[i];
@@ -29,7 +31,7 @@ __kernel void add_atlas_light(AtlasInfo atlas_info, __global const AtlasTriangle
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE)
     add_looked_up(atlas_info, atlas_triangles, atlas_table, atlas_links, half_count, covered, &point, shown,
                   shown_direct, &once, &reflected);
-  deviations[i] += sample_deviation(once + reflected, exchanged[i].xyz + indirect[i].xyz, (float)samples);
+  if (deviates) deviations[i] += sample_deviation(once + reflected, exchanged[i].xyz + indirect[i].xyz, (float)samples);
   exchanged[i] = mix_sample(exchanged[i], once, atlas_weight);
   indirect[i] = mix_sample(indirect[i], reflected, atlas_weight);
 }

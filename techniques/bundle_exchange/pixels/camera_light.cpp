@@ -46,7 +46,7 @@ size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather 
   const size_t chains =
       gather == FinalGather::off ? 2 * pixels * sizeof(float4) : ChainTracer::estimate_bytes(pixels, 2);
   return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + EyeLight::estimate_bytes(width, height) +
-         LayerSums::estimate_bytes(pixels, preview ? 4 : 2) + (preview ? pixels * sizeof(float) : 0);
+         LayerSums::estimate_bytes(pixels, preview ? 4 : 2);
 }
 
 void CameraLight::record(Device& device, const Program& program, const SurfaceAtlas& atlas, const SideMeans& means,
@@ -54,15 +54,10 @@ void CameraLight::record(Device& device, const Program& program, const SurfaceAt
   ScheduleRecorder recorder = scheduler_->record("add light of the atlas", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
   atlas_samples_before_ = recorder.variable("samples", 0u);
-  record_atlas_light(recorder, program, atlas, means.halves(), means.shown(), means.shown_direct(), atlas_light_,
-                     eye_.deviations());
-  if (preview) {
-    // What the preview shows deviates from nothing that is measured: that goes where nobody looks.
-    smooth_deviations_ =
-        TypedBuffer<float>(device, technique_name, "deviations of the preview", pixels_, remedies::lower_size);
+  record_atlas_light(recorder, program, atlas, means.halves(), means.shown(), means.shown_direct(), atlas_light_, true);
+  if (preview)
     record_atlas_light(recorder, program, atlas, means.halves(), preview->shown(), preview->shown_direct(),
-                       smooth_light_, smooth_deviations_);
-  }
+                       smooth_light_, false);
   add_ = recorder.compile();
   const LayerSpread::Shown shown = {eye_.sums()["emission"], eye_.sums()["direct"], atlas_light_["indirect"]};
   spread_ = std::make_unique<LayerSpread>(device, *scheduler_, shown, eye_.deviations(), technique_name);
@@ -70,8 +65,7 @@ void CameraLight::record(Device& device, const Program& program, const SurfaceAt
 
 void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
                                      const SideHalves& halves, const TypedBuffer<float4>& shown,
-                                     const TypedBuffer<float4>& shown_direct, const LayerSums& image,
-                                     const TypedBuffer<float>& deviations) {
+                                     const TypedBuffer<float4>& shown_direct, const LayerSums& image, bool deviates) {
   PassBuilder add = recorder.pass("add light of the atlas", program, "add_atlas_light");
   atlas.bind(add);
   halves.bind(add);
@@ -80,6 +74,7 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
       .arg("count", pixels_)
       .arg("atlas_weight", atlas_weight_)
       .arg("samples", atlas_samples_before_)
+      .arg("deviates", deviates ? 1u : 0u)
       .arg("whole", whole() ? 1u : 0u)
       .arg("shown", shown)
       .arg("shown_direct", shown_direct)
@@ -87,7 +82,7 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
       .arg("gathered", gathered())
       .arg("exchanged", image["direct"])
       .arg("indirect", image["indirect"])
-      .arg("deviations", deviations);
+      .arg("deviations", eye_.deviations());
 }
 
 void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
@@ -123,7 +118,13 @@ bool CameraLight::begin_sample() {
   return eye_.see(samples_);
 }
 
-bool CameraLight::sample() { return eye_.sample(samples_) && (!chains_ || gather()); }
+bool CameraLight::sample() {
+  if (!eye_.sample(samples_)) return false;
+  const uint64_t before = rays();  // a cancelled sample has traced rays too
+  if (chains_ && !gather()) return false;
+  sample_rays_ = rays() - before;
+  return true;
+}
 
 float CameraLight::atlas_weight() const {
   // The atlas that later samples saw was better, and a late image forgets what an early atlas did not know.
@@ -132,6 +133,7 @@ float CameraLight::atlas_weight() const {
 
 void CameraLight::commit(bool atlas_known, bool measured) {
   ++samples_;
+  committed_rays_ += sample_rays_;
   add_.set(atlas_samples_before_, atlas_known ? atlas_samples_ : 0u);
   atlas_samples_ = atlas_known ? atlas_samples_ + 1 : 0;
   add_.set(atlas_weight_, atlas_weight());
@@ -155,7 +157,7 @@ void CameraLight::set_frame(const Frame& frame) {
   spread_->clear();
   smooth_light_.clear();
   samples_ = atlas_samples_ = 0;
-  rays_before_ = rays();
+  committed_rays_ = 0;
 }
 
 void CameraLight::warm_up() {

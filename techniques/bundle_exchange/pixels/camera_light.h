@@ -55,29 +55,28 @@ class CameraLight {
   uint32_t pixels() const { return pixels_; }
   bool whole() const { return options_.gather == FinalGather::all; }  ///< nothing is looked up at pixels
   PixelGather* pixel_gather() { return bundles_.get(); }              ///< null where bundles gather nothing
-  double rays_per_sample() const { return samples_ > 0 ? static_cast<double>(rays() - rays_before_) / samples_ : 0; }
+  /// Mean over the samples that commit() has added.
+  double rays_per_sample() const { return samples_ > 0 ? static_cast<double>(committed_rays_) / samples_ : 0; }
   uint64_t rays() const { return chains_ ? chains_->chains().rays() : 0; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
  private:
   void record(Device& device, const Program& program, const SurfaceAtlas& atlas, const SideMeans& means,
               const SidePreview* preview);
-  /// What the atlas knows, mixed into an image.
+  /// What the atlas knows, mixed into an image; `deviates`: for spread(), too.
   void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
                           const SideHalves& halves, const TypedBuffer<float4>& shown,
-                          const TypedBuffer<float4>& shown_direct, const LayerSums& image,
-                          const TypedBuffer<float>& deviations);
+                          const TypedBuffer<float4>& shown_direct, const LayerSums& image, bool deviates);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
   KernelScheduler* scheduler_;
   Options options_;
   Frame frame_;
   uint32_t pixels_, samples_ = 0, atlas_samples_ = 0;
-  uint64_t rays_before_ = 0;  ///< of samples that set_frame() has dropped
+  uint64_t sample_rays_ = 0, committed_rays_ = 0;  ///< of chains: of the last sample, of all that were added
   EyeLight eye_;
   LayerSums atlas_light_;   ///< means: `direct`, where bundles bring it, and `indirect`
   LayerSums smooth_light_;  ///< the same by what the preview shows
-  TypedBuffer<float> smooth_deviations_;
   TypedBuffer<float4> no_contributions_;
   std::unique_ptr<ChainTracer> chains_;  ///< null where nothing is gathered
   std::unique_ptr<PixelGather> bundles_;

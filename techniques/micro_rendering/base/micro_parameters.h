@@ -71,7 +71,7 @@ struct MicroParameters {
              "number of points on the surfaces, the leaves of the hierarchy");
     v.number("micro_size", micro_size, 8, 64, "micro-pixels", "edge length of a micro-buffer");
     v.number("cut_kappa", cut_kappa, 0.25f, 4, "micro-pixels",
-             "solid angle above which a node is split; gathers at nodes: at most 1");
+             "solid angle above which a node is split; at nodes at most 1");
     v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"center", CutBound::centre}},
              "micro-pixel that a node is compared with: the smallest one it covers (conservative), or the one at its "
              "centre");

@@ -9,7 +9,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
-#include "lucarium/services/bvh/large_array.h"
+#include "lucarium/services/large_array.h"
 
 namespace lucarium::micro {
 

@@ -17,8 +17,8 @@ constexpr uint32_t planned_alone = 4096;  // triangles of a subtree that is left
 using Costs = std::array<float, CollapsePlan::max_width>;
 using Counts = std::array<int32_t, CollapsePlan::max_width>;
 
-/// For totals of j roots, j ≤ `max_roots`: the cheapest way to divide them, and how many roots go left then (the fewest
-/// of several). Four totals at a time.
+/// For totals of j roots, j ≤ `max_roots`: the cheapest way to divide them, and how many roots go left then (the
+/// fewest of several). Four totals at a time.
 void distribute(const Costs& left, uint32_t left_count, const Costs& right, uint32_t right_count, uint32_t max_roots,
                 Costs& costs, Counts& lefts) {
   constexpr uint32_t width = CollapsePlan::max_width;

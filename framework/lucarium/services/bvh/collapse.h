@@ -39,7 +39,8 @@ class CollapsePlan {
   using Costs = std::array<float, max_width>;
 
   struct Choice {
-    /// [j] for j ≥ 2: how many of j roots go to the left subtree, 0: j − 1 roots are as good. [1]: 1 for a leaf block.
+    /// [j] for j ≥ 2: how many of j roots go to the left subtree, 0: j − 1 roots are as good.
+    /// [1]: 1 for a leaf block.
     /// [0]: how many of `width` roots go left when the node itself becomes a wide node.
     std::array<uint8_t, max_width> roots_left;
     float visits;

@@ -120,8 +120,8 @@ std::vector<uint8_t> PointInterior::walk(std::span<const InteriorPoint> points, 
     schedule.set(coming, more);
     begun += more;
     scheduler_.run_to_end(schedule);
-    scheduler_.finish();
   }
+  scheduler_.finish();
   return open.download();
 }
 

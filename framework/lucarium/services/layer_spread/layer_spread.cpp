@@ -54,15 +54,19 @@ void LayerSpread::take(std::span<const std::byte> bytes) {
     indirect += static_cast<double>(sum.y);
     luminance += static_cast<double>(sum.z);
   }
-  if (!std::isfinite(deviations + indirect + luminance)) return;
   // The first sample has no luminance to be weighted by, and nothing that it deviates from.
-  if (samples_++ > 0) sum_ += deviations / pixels_;
+  const bool first = samples_++ == 0;
+  if (!std::isfinite(deviations + indirect + luminance)) return;  // sums of float have an end
+  if (!first) {
+    sum_ += deviations / pixels_;
+    ++known_;
+  }
   indirect_share_ = indirect / pixels_;
   luminance_ = luminance / pixels_;
 }
 
 void LayerSpread::clear() {
-  samples_ = 0;
+  samples_ = known_ = 0;
   sum_ = luminance_ = indirect_share_ = 0;
 }
 

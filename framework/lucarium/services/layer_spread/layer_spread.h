@@ -28,11 +28,11 @@ class LayerSpread {
 
   /// To its end, when a part has added a sample to all pixels.
   void measure();
-  /// Samples measured: all but the first, from which none deviates.
+  /// Samples that came: all but the first, from which none deviates.
   uint32_t samples() const { return samples_ > 0 ? samples_ - 1 : 0; }
   /// Mean over the pixels of a sample's variance over r² + 0.01 Y²: r what the pixel shows, Y the image's mean
-  /// luminance. 0 before the second sample.
-  double variance() const { return samples() > 0 ? sum_ / samples() : 0; }
+  /// luminance. 0 before the second sample. Samples whose sums are not finite are left out.
+  double variance() const { return known_ > 0 ? sum_ / known_ : 0; }
   /// Mean over the pixels of the square of what `indirect` shows over the same.
   double indirect_share() const { return indirect_share_; }
   void clear();
@@ -44,7 +44,7 @@ class LayerSpread {
   KernelScheduler* scheduler_;
   Schedule schedule_;
   Variable<float> least_;
-  uint32_t pixels_ = 0, samples_ = 0;
+  uint32_t pixels_ = 0, samples_ = 0, known_ = 0;
   double sum_ = 0, luminance_ = 0, indirect_share_ = 0;
 };
 
@@ -54,8 +54,8 @@ class LayerSpread {
 double samples_for_each(double cheap_variance, double cheap_work, double dear_variance, double dear_work,
                         double largest);
 
-/// The same as a share of all work: √(variance · work of a sample) of both parts over their sum. 1 where the other part
-/// has no variance, 0 where neither has, or a value is not finite.
+/// The same as a share of all work: √(variance · work of a sample) of both parts over their sum. 1 where the other
+/// part has no variance, 0 where neither has, or a value is not finite.
 double share_of_work(double variance, double work, double other_variance, double other_work);
 
 }  // namespace lucarium
