@@ -119,7 +119,7 @@ TEST_CASE("the spread of samples is their variance over the square of what is sh
   CHECK(spread.samples() == samples);
   CHECK(spread.variance() > 0);
   CHECK(spread.indirect_share() > 1.02 * share / static_cast<double>(before.size()));
-  // Where sums overflow, all are, and yet the sample has come: who waits for one waits no longer.
+  // Where all are, the sample has come all the same: who waits for one waits no longer.
   const double variance = spread.variance();
   rig.indirect.upload(std::vector<float4>(reflected.size(), float4(1e38f, 1e38f, 1e38f, 1)));
   spread.measure();

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "lucarium/services/large_array.h"
 #include "lucarium/scene/bounds.h"
 #include "lucarium/services/bvh/box_lanes.h"
+#include "lucarium/services/large_array.h"
 #include "lucarium/shared/scene_types.h"
 
 namespace lucarium {

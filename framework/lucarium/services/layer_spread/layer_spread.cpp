@@ -16,17 +16,18 @@ constexpr uint32_t kRun = 512;  // pixels that one work-item sums
 
 LayerSpread::LayerSpread(Device& device, KernelScheduler& scheduler, const Shown& shown,
                          const TypedBuffer<float>& deviations, const std::string& owner)
-    : scheduler_(&scheduler), pixels_(static_cast<uint32_t>(deviations.count())) {
+    : scheduler_(&scheduler) {
+  const auto pixels = static_cast<uint32_t>(deviations.count());
   const Program program(device, SourceLibrary(),
                         {"services/layer_spread", {"lucarium/services/layer_spread/sum_spread.cl"}, {}});
   ScheduleRecorder recorder = scheduler.record("spread of samples", owner);
-  const uint32_t runs = (pixels_ + kRun - 1) / kRun;
+  const uint32_t runs = (pixels + kRun - 1) / kRun;
   const BufferRef sums = recorder.transient<float4>("sums of spread", runs);
   least_ = recorder.variable("least", 0.f);
   recorder.pass("sum spread", program, "sum_spread")
       .global(runs)
       .local(1)
-      .arg("pixels", pixels_)
+      .arg("pixels", pixels)
       .arg("run", kRun)
       .arg("least", least_)
       .arg("deviations", deviations)
@@ -46,23 +47,24 @@ void LayerSpread::measure() {
 }
 
 void LayerSpread::take(std::span<const std::byte> bytes) {
-  double deviations = 0, indirect = 0, luminance = 0;
+  double deviations = 0, indirect = 0, luminance = 0, pixels = 0;
   for (size_t offset = 0; offset + sizeof(float4) <= bytes.size(); offset += sizeof(float4)) {
     float4 sum;
     std::memcpy(&sum, bytes.data() + offset, sizeof sum);
     deviations += static_cast<double>(sum.x);
     indirect += static_cast<double>(sum.y);
     luminance += static_cast<double>(sum.z);
+    pixels += static_cast<double>(sum.w);
   }
   // The first sample has no luminance to be weighted by, and nothing that it deviates from.
   const bool first = samples_++ == 0;
-  if (!std::isfinite(deviations + indirect + luminance)) return;  // sums of float have an end
+  if (!(pixels > 0) || !std::isfinite(deviations + indirect + luminance)) return;
   if (!first) {
-    sum_ += deviations / pixels_;
+    sum_ += deviations / pixels;
     ++known_;
   }
-  indirect_share_ = indirect / pixels_;
-  luminance_ = luminance / pixels_;
+  indirect_share_ = indirect / pixels;
+  luminance_ = luminance / pixels;
 }
 
 void LayerSpread::clear() {

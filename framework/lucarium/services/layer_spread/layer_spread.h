@@ -31,7 +31,7 @@ class LayerSpread {
   /// Samples that came: all but the first, from which none deviates.
   uint32_t samples() const { return samples_ > 0 ? samples_ - 1 : 0; }
   /// Mean over the pixels of a sample's variance over r² + 0.01 Y²: r what the pixel shows, Y the image's mean
-  /// luminance. 0 before the second sample. Samples whose sums are not finite are left out.
+  /// luminance. 0 before the second sample. Pixels that are not finite are left out.
   double variance() const { return known_ > 0 ? sum_ / known_ : 0; }
   /// Mean over the pixels of the square of what `indirect` shows over the same.
   double indirect_share() const { return indirect_share_; }
@@ -44,7 +44,7 @@ class LayerSpread {
   KernelScheduler* scheduler_;
   Schedule schedule_;
   Variable<float> least_;
-  uint32_t pixels_ = 0, samples_ = 0, known_ = 0;
+  uint32_t samples_ = 0, known_ = 0;
   double sum_ = 0, luminance_ = 0, indirect_share_ = 0;
 };
 
