@@ -15,6 +15,9 @@ struct RayBuffers {
   uint32_t counter_index = 0;  ///< into counter
   uint32_t capacity = 0;       ///< rays at most
   BufferRef ends;              ///< RayEnds of each, for intersectors that want them (ray_ends.h); else empty
+  /// While none is missing the rays are those of pixels, a row of so many after the other, so that an intersector can
+  /// take neighbours together; 0: they have no such order. Results lie where the rays do.
+  uint32_t row = 0;
 };
 
 /// Rays in, hits out, in large batches: the one interface between light transport and acceleration structures.

@@ -67,6 +67,19 @@ std::string describe_differences(const RaySubject& subject, const std::vector<Ra
   return fmt::format("{} ({})", different, wrong);
 }
 
+/// Rays of pixels, or what was found for them, with 4 x 4 pixels at a time; as they are where that does not come out.
+template <class Value>
+std::vector<Value> in_tiles(const std::vector<Value>& of_pixels, uint32_t width) {
+  const size_t row = width, band = 4 * row;
+  if (row % 4 || of_pixels.size() % band) return of_pixels;
+  std::vector<Value> tiled;
+  for (size_t i = 0; i < of_pixels.size(); ++i) {
+    const size_t place = i % band, tile = place / 16, pixel = place % 16;
+    tiled.push_back(of_pixels[i - place + pixel / 4 * row + 4 * tile + pixel % 4]);
+  }
+  return tiled;
+}
+
 size_t count_differences(const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
   size_t different = 0;
   for (size_t i = 0; i < a.size(); ++i) different += a[i] != b[i];
@@ -117,13 +130,18 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
              const std::string& scene, RayKind kind, const Options& options) {
   const std::vector<Ray>& rays = subject.rays(kind);
   const bool any = kind == RayKind::shadow;
+  // Packets of camera rays are squares of pixels on both sides.
+  const uint32_t row = kind == RayKind::primary ? options.width : 0;
+  const std::vector<Ray> packets = row > 0 ? in_tiles(rays, row) : rays;
   std::vector<Hit> hits(rays.size()), hits16(rays.size());
   std::vector<uint32_t> occluded(rays.size()), occluded16(rays.size());
   std::vector<std::unique_ptr<TracedBatch>> batches;
   std::vector<Contestant> contestants;
   for (const Field::Entry& entry : field.entries) {
     TracedBatch* batch =
-        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, *entry.bvh, rays, any)).get();
+        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, *entry.bvh, rays, any,
+                                                              std::vector<RayEnds>(), row))
+            .get();
     contestants.push_back({.name = entry.name, .run = [batch] { batch->run(); }});
   }
   if (device.info().compute_units > 1) {
@@ -134,7 +152,8 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
     contestants.push_back(
         {.name = "Embree", .run = [&] { any ? field.embree.any(rays, occluded) : field.embree.closest(rays, hits); }});
     contestants.push_back({.name = "Embree packets of 16", .run = [&] {
-                             any ? field.embree.any16(rays, occluded16) : field.embree.closest16(rays, hits16);
+                             any ? field.embree.any16(packets, occluded16)
+                                 : field.embree.closest16(packets, hits16);
                            }});
   }
   std::erase_if(contestants,
@@ -154,7 +173,8 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
       if (name == "Embree") {
         differences[i] = against(hits, occluded);
       } else if (name == "Embree packets of 16") {
-        differences[i] = against(hits16, occluded16);
+        differences[i] = any ? against({}, occluded16)
+                             : describe_differences(subject, packets, hits16, row > 0 ? in_tiles(right, row) : right);
       } else {
         const TracedBatch& batch = *batches[name == "portable" ? 1 : 0];
         differences[i] = any ? against({}, batch.occluded()) : against(batch.hits(), {});

@@ -4,7 +4,8 @@
 namespace lucarium::bench {
 
 TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector,
-                         const std::vector<Ray>& rays, bool any, const std::vector<RayEnds>& ends)
+                         const std::vector<Ray>& rays, bool any, const std::vector<RayEnds>& ends,
+                         uint32_t row)
     : scheduler_(scheduler),
       rays_(device, "bench", "rays", rays),
       hits_(device, "bench", "hits", any ? 1 : rays.size()),
@@ -16,7 +17,7 @@ TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Inter
   if (any)
     intersector.record_any(recorder, "any hit", {rays_, counter_, 0, count, ends_}, occluded_);
   else
-    intersector.record_closest(recorder, "closest hit", {rays_, counter_, 0, count, ends_}, hits_);
+    intersector.record_closest(recorder, "closest hit", {rays_, counter_, 0, count, ends_, row}, hits_);
   schedule_ = recorder.compile();
   run();
 }

@@ -10,9 +10,10 @@ namespace lucarium::bench {
 /// One pass of an intersector over a fixed batch of rays.
 class TracedBatch {
  public:
-  /// `any`: occlusion instead of closest hits. Runs once, so that drivers have compiled what they compile late.
+  /// `any`: occlusion instead of closest hits; `row`: of RayBuffers. Runs once, so that drivers have compiled what they
+  /// compile late.
   TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector, const std::vector<Ray>& rays,
-              bool any, const std::vector<RayEnds>& ends = {});
+              bool any, const std::vector<RayEnds>& ends = {}, uint32_t row = 0);
 
   void run();
   std::vector<Hit> hits() const { return hits_.download(); }

@@ -7,6 +7,7 @@
 #define BVH_STACK 128
 #endif
 // First and unconditionally: the framework resolves each include once, where it stands first.
+#include "lucarium/services/bvh/ray_order.clh"
 #include "lucarium/services/bvh/traverse.clh"
 #if BVH_WIDTH >= 8
 #include "lucarium/services/bvh/interleaved.clh"
@@ -31,11 +32,13 @@
 #define BVH_CONTEXT(name) const BvhContext name = {bvh_nodes, bvh_blocks}
 #endif
 
+// row: RayBuffers::row.
 __kernel void bvh_closest(BVH_SCENE_PARAMETERS __global const Ray* rays, __global Hit* hits, RAY_SHARE_PARAMETERS,
-                          __global const float* bvh_nodes, __global const float* bvh_blocks) {
+                          uint row, __global const float* bvh_nodes, __global const float* bvh_blocks) {
   BVH_CONTEXT(context);
   RAY_SHARE(share);
-  bvh_trace_closest_mixed(&context, rays, hits, share.first, share.end);
+  const BvhOrder order = bvh_order(row, min(counter[counter_index], capacity));
+  bvh_trace_closest_mixed(&context, rays, hits, order, share.first, share.end);
 }
 
 __kernel void bvh_any(BVH_SCENE_PARAMETERS __global const Ray* rays, __global uint* occluded, RAY_SHARE_PARAMETERS,

@@ -31,7 +31,7 @@ CameraRays::CameraRays(Device& device, KernelScheduler& scheduler, const Interse
       .arg("rays", rays_)
       .arg_if_present("ends", ends_)
       .arg("active", active_);
-  intersector.record_closest(recorder, "closest hit", RayBuffers{rays_, active_, 0, count, ends_}, hits_);
+  intersector.record_closest(recorder, "closest hit", RayBuffers{rays_, active_, 0, count, ends_, frame.width}, hits_);
   trace_ = recorder.compile();
 }
 

@@ -94,7 +94,7 @@ void GBuffer::State::record_follow() {
   const BufferRef alive = recorder.transient<uint32_t>("alive", pixels, remedies::lower_size);
   const BufferRef survivors = recorder.transient<uint32_t>("survivors", pixels, remedies::lower_size);
   const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
-  intersector.record_closest(recorder, "closest hit", {rays, active, 0, pixels, ends}, hits);
+  intersector.record_closest(recorder, "closest hit", {rays, active, 0, pixels, ends, frame.width}, hits);
   PassBuilder fill = recorder.pass("fill G-buffer", program, "fill_gbuffer");
   scene.bind(fill);
   fill.global_by(active)

@@ -29,6 +29,10 @@ BatchPlan plan_batches(uint32_t width, uint32_t height, const PathIntegratorOpti
   plan.pixels = width * height;
   plan.samples = std::max(1u, options.samples_per_iteration);
   plan.pixels_per_batch = std::min(plan.pixels, std::max(1u, options.batch_paths));
+  // Whole bands of rows, which rays are traced along together (RayBuffers::row).
+  const uint32_t band = 4 * width;
+  if (plan.pixels_per_batch < plan.pixels && plan.pixels_per_batch > band)
+    plan.pixels_per_batch -= plan.pixels_per_batch % band;
   plan.samples_per_batch = std::clamp(options.batch_paths / plan.pixels, 1u, plan.samples);
   return plan;
 }

@@ -62,7 +62,8 @@ void PathIntegrator::State::record_bounce() {
   const BufferRef next_ends = transient_ray_ends(recorder, intersector, "ends of next rays", capacity, kLowerBatch);
   const BufferRef shadow_ends = transient_ray_ends(recorder, intersector, "ends of shadow rays", capacity, kLowerBatch);
 
-  intersector.record_closest(recorder, "closest hit", {paths.rays, paths.active, 0, capacity, paths.ends}, hits);
+  intersector.record_closest(recorder, "closest hit", {paths.rays, paths.active, 0, capacity, paths.ends, frame.width},
+                             hits);
   recorder.pass("draw numbers", program, "draw_vertex_numbers")
       .global_by(paths.active, 0, 1.0 / 8)
       .arg("settings", bounce_settings)

@@ -2,6 +2,7 @@
 // Which runs of rays become packets, and that packets find what single rays find.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
@@ -18,15 +19,18 @@ using namespace lucarium::test;
 
 namespace {
 
-/// How many runs of 16 of these rays are traced as packets in a scene of this size [m] around the origin.
-uint32_t count_packets(const std::vector<Ray>& rays, float size) {
-  const std::shared_ptr<Device> device = Device::open();
-  KernelScheduler scheduler(device);
+Program runs_program(Device& device) {
   SourceLibrary library;
   library.add(test_services_kernels());
-  const Program program(
-      *device, library,
-      {.name = "test/bvh_runs", .files = {"test_services/bvh/runs.cl"}, .defines = {}, .mad_enable = false});
+  return Program(device, library,
+                 {.name = "test/bvh_runs", .files = {"test_services/bvh/runs.cl"}, .defines = {}, .mad_enable = false});
+}
+
+/// How many runs of 16 of these rays are traced as packets in a scene of this size [m] around the origin.
+uint32_t count_packets(const std::vector<Ray>& rays, float size, uint32_t row = 0) {
+  const std::shared_ptr<Device> device = Device::open();
+  KernelScheduler scheduler(device);
+  const Program program = runs_program(*device);
   const size_t runs = rays.size() / 16;
   const TypedBuffer<Ray> ray_buffer(*device, "test", "rays", rays);
   const TypedBuffer<uint32_t> packets(*device, "test", "packets", runs);
@@ -35,6 +39,7 @@ uint32_t count_packets(const std::vector<Ray>& rays, float size) {
       .global(runs)
       .local(1)
       .arg("rays", ray_buffer)
+      .arg("row", row)
       .arg("count", static_cast<uint32_t>(rays.size()))
       .arg("size", size)
       .arg("extent", size / 2)
@@ -45,6 +50,24 @@ uint32_t count_packets(const std::vector<Ray>& rays, float size) {
   uint32_t sum = 0;
   for (const uint32_t packet : packets.download()) sum += packet;
   return sum;
+}
+
+/// Where the rays of a batch lie that are traced one after the other.
+std::vector<uint32_t> traced_order(uint32_t row, uint32_t count) {
+  const std::shared_ptr<Device> device = Device::open();
+  KernelScheduler scheduler(device);
+  const TypedBuffer<uint32_t> rays(*device, "test", "order", count);
+  ScheduleRecorder recorder = scheduler.record("order rays", "test");
+  recorder.pass("order", runs_program(*device), "order_rays")
+      .global(count)
+      .local(1)
+      .arg("row", row)
+      .arg("count", count)
+      .arg("rays", rays);
+  Schedule schedule = recorder.compile();
+  scheduler.run(schedule);
+  scheduler.finish();
+  return rays.download();
 }
 
 /// The image of a camera at (0, 0, distance), row by row.
@@ -266,4 +289,50 @@ TEST_CASE("packets find their way through the top of several hierarchies") {
   CHECK(single.statistics().parts == 1);
   CHECK(wide.statistics().parts == 21);
   check_packets(tracer, single, {&wide, &portable, &eight, &scalar}, camera_rays(320, 200, 25));
+}
+
+TEST_CASE("rays of pixels are traced in tiles of 4 by 4, each of them once") {
+  const std::vector<uint32_t> order = traced_order(12, 12 * 8);
+  constexpr uint32_t second[16] = {4, 5, 6, 7, 16, 17, 18, 19, 28, 29, 30, 31, 40, 41, 42, 43};
+  for (uint32_t i = 0; i < 16; ++i) CHECK(order[16 + i] == second[i]);
+  CHECK(order[48] == 48);  // the next band
+  const std::pair<uint32_t, uint32_t> sizes[] = {{12, 96}, {320, 320 * 180}, {4, 16}};
+  for (const auto& [row, count] : sizes) {
+    CAPTURE(row);
+    std::vector<uint32_t> sorted = traced_order(row, count);
+    std::sort(sorted.begin(), sorted.end());
+    for (uint32_t i = 0; i < count; ++i) REQUIRE(sorted[i] == i);
+  }
+}
+
+TEST_CASE("rays that are no whole bands of rows are traced as they lie") {
+  const std::pair<uint32_t, uint32_t> sizes[] = {{0, 64}, {10, 80}, {12, 84}, {12, 95}, {16, 32}};
+  for (const auto& [row, count] : sizes) {
+    CAPTURE(row);
+    CAPTURE(count);
+    const std::vector<uint32_t> order = traced_order(row, count);
+    for (uint32_t i = 0; i < count; ++i) REQUIRE(order[i] == i);
+  }
+}
+
+TEST_CASE("in tiles as in rows every pixel gets its own hit") {
+  Tracer tracer;
+  const Soup soup = rough_sphere(60, 80, 9);
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar);
+  const std::pair<uint32_t, uint32_t> sizes[] = {{160, 104}, {158, 100}, {160, 99}, {36, 8}};
+  for (const auto& [width, height] : sizes) {
+    CAPTURE(width);
+    std::vector<Ray> rays = camera_rays(width, height, 2.5f);
+    // A corner that looks elsewhere, whose tiles are no packets.
+    for (uint32_t i = 0; i < rays.size(); ++i)
+      if (i % width < 20 && i / width < 6) rays[i] = random_rays(1, i).front();
+    const auto count = static_cast<uint32_t>(rays.size());
+    const Results expected = tracer.trace(single, rays);
+    CHECK(count_hits(expected) > rays.size() / 20);
+    for (const BvhTraversal traversal : traversals) {
+      const Results found = tracer.trace(tracer.make(soup, traversal), rays, count, count, width);
+      CHECK(std::memcmp(found.hits.data(), expected.hits.data(), rays.size() * sizeof(Hit)) == 0);
+    }
+  }
+  CHECK(count_packets(camera_rays(160, 104, 25), 25, 160) == 1040);
 }

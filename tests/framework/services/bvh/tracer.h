@@ -44,8 +44,9 @@ class Tracer {
   explicit Tracer(const DeviceOptions& options = {}) : device_(Device::open(options)), scheduler_(device_) {}
   Device& device() { return *device_; }
 
-  /// Traces the first `count` rays of a buffer of `capacity`; the rest of the results keeps 0xee bytes.
-  Results trace(const Bvh& bvh, const std::vector<Ray>& rays, uint32_t count, uint32_t capacity) {
+  /// Traces the first `count` rays of a buffer of `capacity`; the rest of the results keeps 0xee bytes. `row`: of
+  /// RayBuffers.
+  Results trace(const Bvh& bvh, const std::vector<Ray>& rays, uint32_t count, uint32_t capacity, uint32_t row = 0) {
     const TypedBuffer<Ray> ray_buffer(*device_, "test", "rays", rays);
     TypedBuffer<Hit> hits(*device_, "test", "hits", rays.size());
     TypedBuffer<uint32_t> occluded(*device_, "test", "occluded", rays.size());
@@ -54,7 +55,7 @@ class Tracer {
     occluded.write(untouched.data(), rays.size() * sizeof(uint32_t));
     const TypedBuffer<uint32_t> counter(*device_, "test", "counter", std::vector<uint32_t>{77, count});
     ScheduleRecorder recorder = scheduler_.record("trace", "test");
-    bvh.record_closest(recorder, "closest", {ray_buffer, counter, 1, capacity}, hits);
+    bvh.record_closest(recorder, "closest", {ray_buffer, counter, 1, capacity, {}, row}, hits);
     bvh.record_any(recorder, "any", {ray_buffer, counter, 1, capacity}, occluded);
     Schedule schedule = recorder.compile();
     scheduler_.run(schedule);
