@@ -111,7 +111,8 @@ void EyePaths::record_connections(ScheduleRecorder& recorder, const ShadowedLigh
 
 void EyePaths::record_closest() {
   ScheduleRecorder recorder = scheduler_.record("surfaces of camera paths", owner_);
-  intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, plan_.settings.pixels, ends_}, hits_);
+  intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, plan_.settings.pixels, ends_, frame_.width},
+                              hits_);
   closest_ = recorder.compile();
 }
 
@@ -162,7 +163,8 @@ void EyePaths::record_bounce() {
   const ShadowedLight samples = shadowed_light(recorder, "light samples");
   const ShadowedLight connections = shadowed_light(recorder, "connections");
 
-  if (!keeps_hits()) intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
+  if (!keeps_hits())
+    intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_, frame_.width}, hits);
   record_shade(recorder, hits, next, samples, connections);
   if (plan_.lights)
     record_shadowed(recorder, samples, hits, "add_eye_light_samples", BIDIRECTIONAL_COUNT_LIGHT_RAYS,

@@ -103,8 +103,8 @@ void PrimaryRaster::record_closest(ScheduleRecorder& recorder, const std::string
       .arg("rays", rays.rays)
       .arg("others", others)
       .arg("seen", seen);
-  others_->record_closest(recorder, pass_name, {others, rays.counter, rays.counter_index, rays.capacity, rays.ends},
-                          hits);
+  others_->record_closest(recorder, pass_name,
+                          {others, rays.counter, rays.counter_index, rays.capacity, rays.ends, rays.row}, hits);
   recorder.pass(pass_name + ", take pixels", program_, "take_primary")
       .global(rays.capacity)
       .arg("counter", rays.counter)

@@ -138,10 +138,10 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
   std::vector<std::unique_ptr<TracedBatch>> batches;
   std::vector<Contestant> contestants;
   for (const Field::Entry& entry : field.entries) {
-    TracedBatch* batch =
-        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, *entry.bvh, rays, any,
-                                                              std::vector<RayEnds>(), row))
-            .get();
+    TracedBatch* batch = batches
+                             .emplace_back(std::make_unique<TracedBatch>(device, scheduler, *entry.bvh, rays, any,
+                                                                         std::vector<RayEnds>(), row))
+                             .get();
     contestants.push_back({.name = entry.name, .run = [batch] { batch->run(); }});
   }
   if (device.info().compute_units > 1) {
@@ -152,8 +152,7 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
     contestants.push_back(
         {.name = "Embree", .run = [&] { any ? field.embree.any(rays, occluded) : field.embree.closest(rays, hits); }});
     contestants.push_back({.name = "Embree packets of 16", .run = [&] {
-                             any ? field.embree.any16(packets, occluded16)
-                                 : field.embree.closest16(packets, hits16);
+                             any ? field.embree.any16(packets, occluded16) : field.embree.closest16(packets, hits16);
                            }});
   }
   std::erase_if(contestants,

@@ -4,8 +4,7 @@
 namespace lucarium::bench {
 
 TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector,
-                         const std::vector<Ray>& rays, bool any, const std::vector<RayEnds>& ends,
-                         uint32_t row)
+                         const std::vector<Ray>& rays, bool any, const std::vector<RayEnds>& ends, uint32_t row)
     : scheduler_(scheduler),
       rays_(device, "bench", "rays", rays),
       hits_(device, "bench", "hits", any ? 1 : rays.size()),

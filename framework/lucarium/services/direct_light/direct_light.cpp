@@ -8,6 +8,7 @@
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/light_at_points/light_at_points.h"
 #include "lucarium/services/ray_ends.h"
+#include "lucarium/shared/path_settings.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {
@@ -94,14 +95,21 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   const BufferRef hits = recorder.transient<Hit>("hits", count, kFewerPoints);
   const BufferRef shadow_ends = transient_ray_ends(recorder, intersector, "ends of shadow rays", count, kFewerPoints);
   const BufferRef bsdf_ends = transient_ray_ends(recorder, intersector, "ends of BSDF rays", count, kFewerPoints);
+  const BufferRef numbers = recorder.transient<float>(
+      "random numbers", size_t{(count + 7) / 8} * 8 * LUCARIUM_PATH_NUMBER_ROWS, kFewerPoints);
+  recorder.pass("draw numbers", program, "draw_direct_numbers")
+      .global((size_t{count} + 7) / 8)
+      .arg("count", count)
+      .arg("sample_index", recorded.sample_index)
+      .arg("seed", recorded.seed)
+      .arg("numbers", numbers);
   PassBuilder sample = recorder.pass("sample direct light", program, "sample_direct_radiance");
   scene.bind(sample);
   sample.global(count)
       .arg("points", points)
       .arg("count", count)
-      .arg("sample_index", recorded.sample_index)
-      .arg("seed", recorded.seed)
       .arg("kinds", kinds)
+      .arg("numbers", numbers)
       .arg("shadow_rays", shadow_rays)
       .arg("shadow_light", shadow_light)
       .arg("bsdf_rays", bsdf_rays)
@@ -160,7 +168,8 @@ DirectLight::~DirectLight() = default;
 
 size_t DirectLight::estimate_bytes(size_t points, bool ray_ends) {
   const size_t per_ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
-  return points * (2 * per_ray + 2 * sizeof(float4) + sizeof(uint32_t) + sizeof(Hit));  // the transients, unshared
+  const size_t numbers = LUCARIUM_PATH_NUMBER_ROWS * sizeof(float);
+  return points * (2 * per_ray + 2 * sizeof(float4) + sizeof(uint32_t) + sizeof(Hit) + numbers);  // of transients
 }
 
 bool DirectLight::accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One light sample and, at pixels, one BSDF sample per point; what lies behind the rays is added by
 // add_direct_light.cl.
+#include "lucarium/eight/vertex_numbers.clh"
 #include "lucarium/gbuffer.clh"
 #include "lucarium/medium.clh"
 #include "lucarium/scene.clh"
@@ -9,10 +10,19 @@
 // Apart from all other uses of the same seed.
 #define DIRECT_LIGHT_STREAM 0x64697265u
 
+// The random numbers of a sample, of eight pixels each.
+__kernel void draw_direct_numbers(uint count, uint sample_index, uint seed, __global float* restrict numbers) {
+  const uint i = get_global_id(0);
+  if (8u * i >= count) return;
+  draw_vertex_numbers8(sampler_seeds(8u * i, DIRECT_LIGHT_STREAM, seed), (uint8)(sample_index), LUCARIUM_SAMPLER_SOBOL,
+                       0u, false, i, numbers);
+}
+
+// numbers: of draw_direct_numbers().
 // shadow_light: xyz what the pixel gets if shadow ray i is free; w: bits of the medium that BSDF ray i runs through.
 // bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
 __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
-                                     uint sample_index, uint seed, uint kinds,
+                                     uint kinds, __global const float* restrict numbers,
                                      LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends) LUCARIUM_RAY_ENDS_PARAMETER(bsdf_ends)
                                          __global Ray* restrict shadow_rays,
                                      __global float4* restrict shadow_light, __global Ray* restrict bsdf_rays,
@@ -30,14 +40,13 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   if (!bsdf_has_smooth_lobe(&bsdf)) return;
 
-  const Sampler sampler = make_sampler(i, DIRECT_LIGHT_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
-  const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
+  const VertexNumbers drawn = vertex_numbers(numbers, i);
+  const LightChoiceSample u = drawn.light;
   float3 light;
   Ray ray;
   RayEnds ends;
   const uint here = gbuffer_medium(point), behind = medium_behind(&scene, &surface, here);
-  if (sample_light_at(&scene, &surface, &bsdf, u, here, true, kinds,
-                      make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light, &ray, &ends)) {
+  if (sample_light_at(&scene, &surface, &bsdf, u, here, true, kinds, drawn.shadow_seed, &light, &ray, &ends)) {
     shadow_rays[i] = ray;
     LUCARIUM_STORE_RAY_ENDS(shadow_ends, i, ends);
     shadow_light[i] = (float4)(point.throughput.xyz * light, 0.0f);
@@ -45,10 +54,9 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
 
   if (!(kinds & (1u << LUCARIUM_LIGHT_TRIANGLE | 1u << LUCARIUM_LIGHT_ENVIRONMENT))) return;  // nothing to be hit
   // Ideal lobes belong to the G-buffer's path: what they are sampled for here is left out.
-  const DirectionSample v = sample_direction_dimensions(&sampler, 0u);
-  const BsdfSample sample = sample_bsdf(&bsdf, u.lobe, v.direction);
+  const BsdfSample sample = sample_bsdf_by(&bsdf, u.lobe, drawn.direction.direction, &drawn.cosine);
   if (sample.delta || is_black(sample.weight)) return;
-  bsdf_rays[i] = make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 1u)));
+  bsdf_rays[i] = make_ray(&surface, sample.direction, drawn.next_seed);
   LUCARIUM_STORE_RAY_ENDS(bsdf_ends, i, ray_ends(&surface, sample.direction));
   bsdf_weights[i] = (float4)(point.throughput.xyz * sample.weight, sample.pdf);
   shadow_light[i].w = as_float(sample.transmitted ? behind : here);
