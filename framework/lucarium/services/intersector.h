@@ -15,8 +15,8 @@ struct RayBuffers {
   uint32_t counter_index = 0;  ///< into counter
   uint32_t capacity = 0;       ///< rays at most
   BufferRef ends;              ///< RayEnds of each, for intersectors that want them (ray_ends.h); else empty
-  /// While none is missing the rays are those of pixels, a row of so many after the other, so that an intersector can
-  /// take neighbours together; 0: they have no such order. Results lie where the rays do.
+  /// Rays in a row where they are those of pixels, row by row, as long as none has ended; else 0. Says which rays are
+  /// neighbours: hierarchies trace them in squares where it is a multiple of 4. Results lie where the rays do.
   uint32_t row = 0;
 };
 

@@ -107,7 +107,7 @@ void EyeTrees::record_shade(const ModeContext& context, const Program& program) 
       recorder.transient<TreeRay>("next rays of trees", places, remedies::lower_size),
       transient_ray_ends(recorder, context.intersector, "ends of next rays", places, remedies::lower_size),
       recorder.transient<uint32_t>("goes on", places, remedies::lower_size)};
-  context.primary.record_closest(recorder, "closest hit", {rays_, counts_, 0, chunk_, ends_, frame_.width}, hits);
+  context.primary.record_closest(recorder, "closest hit", {rays_, counts_, 0, chunk_, ends_}, hits);
   PassBuilder shade = recorder.pass("shade rays of trees", program, "shade_tree_rays");
   context.scene.bind(shade);
   shade.global(chunk_)

@@ -66,11 +66,12 @@ void measure_rays(Device& device, KernelScheduler& scheduler, const Field& field
   const bool any = kind == RayKind::shadow;
   std::vector<RayEnds> ends = subject.starts;
   if (kind == RayKind::primary) ends.assign(rays.size(), {LUCARIUM_NONE, LUCARIUM_NONE});
+  const uint32_t row = kind == RayKind::primary ? options.width : 0;
   std::vector<std::unique_ptr<TracedBatch>> batches;
   std::vector<Contestant> contestants;
   const auto add = [&](const std::string& name, const Intersector& intersector) {
     TracedBatch* batch =
-        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, intersector, rays, any, ends)).get();
+        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, intersector, rays, any, ends, row)).get();
     contestants.push_back({.name = name, .run = [batch] { batch->run(); }, .cpus = options.threads});
   };
   add("wide", field.bvh);

@@ -138,7 +138,7 @@ void measure_walk(Bars& bars, const Sizes& sizes) {
   const SceneBuffers buffers(*test::test_device(), scene);
   const Bvh bvh(*test::test_device(), scene, buffers, BvhTraversal::wide);
   const RaySubject subject(*test::test_device(), scheduler, scene, sizes.width, sizes.width, false);
-  TracedBatch rays(*test::test_device(), scheduler, bvh, subject.primary, false);
+  TracedBatch rays(*test::test_device(), scheduler, bvh, subject.primary, false, {}, sizes.width);
   uint32_t frame_of_field = 0, frame_of_paths = 0;
   const auto each = [](auto run) {
     return [run] {

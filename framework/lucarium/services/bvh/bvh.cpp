@@ -123,7 +123,7 @@ struct Bvh::State {
   void upload();
   void compile();
   void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const RayBuffers& rays,
-              const char* result_name, const BufferRef& result, bool in_rows) const;
+              const char* result_name, const BufferRef& result) const;
 };
 
 void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
@@ -228,7 +228,7 @@ void Bvh::State::compile() {
 }
 
 void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
-                        const RayBuffers& rays, const char* result_name, const BufferRef& result, bool in_rows) const {
+                        const RayBuffers& rays, const char* result_name, const BufferRef& result) const {
   PassBuilder pass = recorder.pass(pass_name, program, kernel);
   if (shape.shares)
     trace_by_shares(pass, rays, *device);
@@ -239,8 +239,11 @@ void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name
         .arg("counter", rays.counter)
         .arg("counter_index", rays.counter_index)
         .arg("capacity", rays.capacity);
-  pass.arg("rays", rays.rays).arg(result_name, result).arg("bvh_nodes", nodes).arg("bvh_blocks", blocks);
-  if (in_rows) pass.arg("row", rays.row);
+  pass.arg("rays", rays.rays)
+      .arg(result_name, result)
+      .arg("bvh_nodes", nodes)
+      .arg("bvh_blocks", blocks)
+      .arg_if_present("row", rays.row);
   if (program_alpha) scene->bind(pass);
 }
 
@@ -293,12 +296,12 @@ uint64_t Bvh::generation() const { return state_->generation; }
 
 void Bvh::record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
                          const BufferRef& hits) const {
-  state_->record(recorder, pass_name, "bvh_closest", rays, "hits", hits, true);
+  state_->record(recorder, pass_name, "bvh_closest", rays, "hits", hits);
 }
 
 void Bvh::record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
                      const BufferRef& occluded) const {
-  state_->record(recorder, pass_name, "bvh_any", rays, "occluded", occluded, false);
+  state_->record(recorder, pass_name, "bvh_any", rays, "occluded", occluded);
 }
 
 BvhTraversal Bvh::traversal() const { return state_->traversal; }

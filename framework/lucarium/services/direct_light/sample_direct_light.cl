@@ -10,7 +10,7 @@
 // Apart from all other uses of the same seed.
 #define DIRECT_LIGHT_STREAM 0x64697265u
 
-// The random numbers of a sample, of eight pixels each.
+// Work-item i draws the random numbers of pixels 8 i to 8 i + 7.
 __kernel void draw_direct_numbers(uint count, uint sample_index, uint seed, __global float* restrict numbers) {
   const uint i = get_global_id(0);
   if (8u * i >= count) return;

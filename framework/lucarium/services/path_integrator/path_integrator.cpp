@@ -29,7 +29,7 @@ BatchPlan plan_batches(uint32_t width, uint32_t height, const PathIntegratorOpti
   plan.pixels = width * height;
   plan.samples = std::max(1u, options.samples_per_iteration);
   plan.pixels_per_batch = std::min(plan.pixels, std::max(1u, options.batch_paths));
-  // Whole bands of rows, which rays are traced along together (RayBuffers::row).
+  // Whole bands of four rows: rays of pixels are traced in squares (RayBuffers::row).
   const uint32_t band = 4 * width;
   if (plan.pixels_per_batch < plan.pixels && plan.pixels_per_batch > band)
     plan.pixels_per_batch -= plan.pixels_per_batch % band;

@@ -296,7 +296,11 @@ TEST_CASE("rays of pixels are traced in tiles of 4 by 4, each of them once") {
   constexpr uint32_t second[16] = {4, 5, 6, 7, 16, 17, 18, 19, 28, 29, 30, 31, 40, 41, 42, 43};
   for (uint32_t i = 0; i < 16; ++i) CHECK(order[16 + i] == second[i]);
   CHECK(order[48] == 48);  // the next band
-  const std::pair<uint32_t, uint32_t> sizes[] = {{12, 96}, {320, 320 * 180}, {4, 16}};
+  // Two rows behind the last whole band.
+  const std::vector<uint32_t> with_rest = traced_order(12, 12 * 6);
+  CHECK(with_rest[16] == 4);
+  for (uint32_t i = 48; i < 12 * 6; ++i) CHECK(with_rest[i] == i);
+  const std::pair<uint32_t, uint32_t> sizes[] = {{12, 96}, {12, 72}, {320, 320 * 180}, {4, 16}};
   for (const auto& [row, count] : sizes) {
     CAPTURE(row);
     std::vector<uint32_t> sorted = traced_order(row, count);
@@ -305,8 +309,8 @@ TEST_CASE("rays of pixels are traced in tiles of 4 by 4, each of them once") {
   }
 }
 
-TEST_CASE("rays that are no whole bands of rows are traced as they lie") {
-  const std::pair<uint32_t, uint32_t> sizes[] = {{0, 64}, {10, 80}, {12, 84}, {12, 95}, {16, 32}};
+TEST_CASE("rays that are no whole rows, or too few, are traced as they lie") {
+  const std::pair<uint32_t, uint32_t> sizes[] = {{0, 64}, {10, 80}, {12, 94}, {16, 32}};
   for (const auto& [row, count] : sizes) {
     CAPTURE(row);
     CAPTURE(count);
@@ -334,5 +338,24 @@ TEST_CASE("in tiles as in rows every pixel gets its own hit") {
       CHECK(std::memcmp(found.hits.data(), expected.hits.data(), rays.size() * sizeof(Hit)) == 0);
     }
   }
-  CHECK(count_packets(camera_rays(160, 104, 25), 25, 160) == 1040);
+  // In a narrow picture runs in rows cross from one side to the other, squares do not.
+  const std::vector<Ray> narrow = camera_rays(24, 24, 25);
+  CHECK(count_packets(narrow, 25, 24) == 36);
+  CHECK(count_packets(narrow, 25) < 36);
+}
+
+TEST_CASE("rays of pixels behind the last one that is there stay untouched") {
+  Tracer tracer;
+  const Soup soup = rough_sphere(20, 30, 9);
+  const std::vector<Ray> rays = camera_rays(32, 16, 2.5f);
+  const Results all = tracer.trace(tracer.make(soup, BvhTraversal::scalar), rays);
+  for (const BvhTraversal traversal : traversals) {
+    const Bvh bvh = tracer.make(soup, traversal);
+    for (const uint32_t count : {32u * 8, 32u * 9, 32u * 8 + 5}) {
+      CAPTURE(count);
+      const Results found = tracer.trace(bvh, rays, count, 32 * 16, 32);
+      CHECK(std::memcmp(found.hits.data(), all.hits.data(), count * sizeof(Hit)) == 0);
+      for (uint32_t i = count; i < rays.size(); ++i) REQUIRE(found.hits[i].triangle == 0xeeeeeeeeu);
+    }
+  }
 }

@@ -14,7 +14,7 @@ __kernel void find_packets(__global const Ray* rays, uint row, uint count, float
   const BvhOrder order = bvh_order(row, count);
   const float spread = BVH_PACKET_SPREAD * size;
   BvhPacket packet;
-  packets[run] = bvh_run_coherent(rays, order, run * BVH_PACKET, count, spread) &&
+  packets[run] = bvh_run_coherent(rays, bvh_run(order, run), run * BVH_PACKET, count, spread) &&
                  bvh_prepare_packet(rays, bvh_run(order, run), extent, spread, &packet);
 }
 
