@@ -38,7 +38,9 @@ struct PixelRender {
     context.scheduler.finish();
     return sums.download();
   }
-  PixelMeans means(uint32_t seeds, uint32_t samples) {
+  /// `times_in_full`: how many times as many samples a full run takes, whose errors must be less (ClosedForms::check).
+  PixelMeans means(uint32_t seeds, uint32_t samples, uint32_t times_in_full = 1) {
+    if (full_run()) samples *= times_in_full;
     DirectLight service(*test_device(), context.scheduler, context.buffers, context.bvh, "test");
     PixelMeans result;
     const double count = static_cast<double>(samples) * kPixelLightSide * kPixelLightSide;
@@ -132,7 +134,7 @@ TEST_CASE("direct light: through tinted glass, of lamps in it and at things in i
     add_horizontal(scene, 0, 1.5f, 0, 1, 1, false, add_material(scene, emitter(10)));
     // Past the lamp at 45 degrees.
     PixelRender render(scene, look_orthographic({3, 3.5f, 0}, {0, 0.5f, 0}, 0.002f));
-    const PixelMeans means = render.means(8, 16);
+    const PixelMeans means = render.means(8, 16, 4);
     const double inside = std::sqrt(2.0) * 1.5;
     ClosedForms table;
     table.add("lamp", estimate_of(means.direct), std::exp2(-inside) * 0.5 / M_PI * 10 * absorbed_square_light());
@@ -218,7 +220,7 @@ TEST_CASE("direct light: of surfaces with an ideal and a diffuse lobe") {
   add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, plastic));
   add_horizontal(scene, 0, 1, 0, 1, 1, false, add_material(scene, emitter(10)));
   PixelRender render(scene, look_down(0.9f));
-  const PixelMeans means = render.means(8, 32);
+  const PixelMeans means = render.means(8, 32, 64);
   ClosedForms table;
   table.add("mirror image", estimate_of(means.emission), 0.4);
   table.add("diffuse lobe", estimate_of(means.direct), 0.6 * (1 - (0.04 * (1 - 1 / 21.) + 1 / 21.)) / M_PI * 7.52275);
@@ -295,7 +297,7 @@ TEST_CASE("G-buffer: two mirrors that shine at each other show 1 / (1 - F) of th
   const int material = add_material(scene, mirror);
   add_horizontal(scene, 0, 0, 0, 1, 1, true, material);
   add_horizontal(scene, 0, 1, 0, 1, 1, false, material);
-  const PixelMeans means = PixelRender(scene, look_down(0.5f)).means(8, 4);
+  const PixelMeans means = PixelRender(scene, look_down(0.5f)).means(8, 4, 400);
   ClosedForms table;
   table.add("mirrors", estimate_of(means.emission), 50);
   table.check(0.03);
@@ -314,7 +316,7 @@ TEST_CASE("G-buffer: the sky through mirrors and glass, of which no two directio
     glass.roughness = 0;
     glass.transmission = glass.thickness = 1;
     add_box(scene, {-2, 0, -2}, {2, 0.2f, 2}, false, add_material(scene, glass));
-    const PixelMeans means = PixelRender(scene, look_down(3)).means(8, 32);
+    const PixelMeans means = PixelRender(scene, look_down(3)).means(8, 32, 24);
     ClosedForms table;
     table.add("sky", estimate_of(means.emission), 0.923077 * 1 + 0.076923 * 4, 1e-3);
     table.check(0.01);
