@@ -17,7 +17,7 @@ TEST_CASE("room: golden floor irradiances, direct and bounces 1 to 4") {
                           {.8f, -.8f, {.18566, .1402, .0907, .0569, .0346}}};
   const double golden_uncertainty = 1e-4;
   const double floor_albedo = 0.7;
-  const Effort effort = full_run() ? Effort{64, 16, 512} : Effort{32, 16, 32};
+  const Effort effort = full_run() ? Effort{64, 16, 1024} : Effort{32, 16, 32};
   const Scene scene = make_builtin_scene("room");
   ClosedForms table;
   for (const Point& point : points) {
