@@ -15,7 +15,7 @@ std::vector<std::vector<float>> replicates_of(const std::string& name, uint64_t 
   PathIntegratorOptions options;
   options.estimator = estimator;
   options.replicates = replicates;
-  options.samples_per_iteration = replicates * (full_run() ? 32 : 8);
+  options.samples_per_iteration = replicates * (full_run() ? 128 : 8);
   const Scene scene = make_builtin_scene(name);
   TestRender render(scene, scene.cameras.at(0), options, 64, seed);
   REQUIRE(render.integrator->iterate());
@@ -34,10 +34,8 @@ TEST_CASE("image test: independent renders pass, one per cent of energy fails") 
   std::vector<std::string> scenes = {"cornell"};
   if (full_run()) scenes.push_back("cornell-glossy");
   for (const std::string& name : scenes) {
-    // Six pairs of seeds were tried in full runs. Of 1 and 2 a block of cornell-glossy differs (p 3e-5), of the others
-    // nothing: that is chance, once in a hundred pairs.
-    const auto images = replicates_of(name, 5, PathEstimator::mis),
-               others = replicates_of(name, 6, PathEstimator::mis_balance);
+    const auto images = replicates_of(name, 1, PathEstimator::mis),
+               others = replicates_of(name, 2, PathEstimator::mis_balance);
     const ImageEstimate a = estimate_of_images(images), b = estimate_of_images(others);
     const ImageTest same = test_images(a, b);
     INFO(name, "\n", to_text(same));
