@@ -8,8 +8,8 @@
 // shown, shown_direct (BUNDLE_EXCHANGED): irradiance over pi of texel sides times w, their accessibility, or 0 where it
 // is not known. gathered: light of chains that begin at the pixels, scattered once and more often; they bring all there
 // is where they are `whole`. bundled: the same, sums over the directions whose number is in w. exchanged: direct light
-// that bundles have carried. deviations, where it
-// `deviates`: += how far this sample lies from the mean of the `samples` before.
+// that bundles have carried. deviations, where a picture `deviates`: += how far this sample lies from the mean of the
+// `samples` before.
 __kernel void add_atlas_light(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                               __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                               SIDE_HALVES_PARAMETERS __global const GBufferPoint* restrict points, uint count,
