@@ -28,6 +28,7 @@ std::vector<Variant> variants(int max_bounces) {
   add("bsdf", [](PathIntegratorOptions& o) { o.estimator = PathEstimator::bsdf_only; });
   add("roulette from 1", [](PathIntegratorOptions& o) { o.roulette_start = 1; });
   add("no roulette", [](PathIntegratorOptions& o) { o.roulette = false; });
+  add("light choice by power", [](PathIntegratorOptions& o) { o.light_choice = LightChoice::power; });
   add("uniform light choice", [](PathIntegratorOptions& o) { o.light_choice = LightChoice::uniform; });
   add("random sampler", [](PathIntegratorOptions& o) { o.sampler = PathSampler::random; });
   return all;
@@ -65,6 +66,20 @@ Scene mixed_lights() {
   return scene;
 }
 
+/// So many that a tree chooses among them, under a sun.
+Scene many_lights() {
+  Scene scene = mixed_lights();
+  const glm::vec3 center = scene.bounds().center(), half = scene.bounds().max - center;
+  const float power = 0.01f * scene.bounds().radius() * scene.bounds().radius();
+  for (int i = 0; i < 6; ++i) {
+    const float x = i % 2 ? 0.5f : -0.5f, y = 0.3f * static_cast<float>(i % 3) - 0.3f, z = i < 3 ? 0.4f : -0.3f;
+    add_light(scene, i % 3 ? LightType::spot : LightType::point, power * static_cast<float>(1 + i),
+              center + half * glm::vec3(x, y, z), center);
+  }
+  add_light(scene, LightType::directional, 0.3f, center, center + glm::vec3(-0.2f, -0.5f, -1));
+  return scene;
+}
+
 }  // namespace
 
 TEST_CASE("estimator agreement: Cornell box, unlimited") {
@@ -73,6 +88,44 @@ TEST_CASE("estimator agreement: Cornell box, unlimited") {
 TEST_CASE("estimator agreement: Cornell box with mixed lights, unlimited") {
   check_agreement(mixed_lights(), -1, agreement_effort());
 }
+TEST_CASE("estimator agreement: Cornell box with many lights, two bounces") {
+  check_agreement(many_lights(), 2, agreement_effort());
+}
+
+// What the kinds of lights bring alone adds up to what they bring together: a kind that is left out is chosen by
+// nothing, and the others get its share.
+TEST_CASE("kinds of lights add up: Cornell box with many lights") {
+  const Scene scene = many_lights();
+  const auto light_of = [&](auto choose, uint64_t seed) {
+    PathIntegratorOptions options;
+    options.path_set.max_bounces = 2;
+    options.path_set.point_lights = options.path_set.spot_lights = options.path_set.directional_lights = false;
+    options.path_set.emissive_triangles = options.path_set.environment = false;
+    choose(options.path_set);
+    return estimate(scene, scene.cameras.at(0), options, agreement_effort(), seed);
+  };
+  const Estimate parts[] = {light_of([](PathSet& s) { s.point_lights = s.environment = true; }, 1),
+                            light_of([](PathSet& s) { s.spot_lights = s.emissive_triangles = true; }, 2),
+                            light_of([](PathSet& s) { s.directional_lights = true; }, 3)};
+  const Estimate all = estimate(
+      scene, scene.cameras.at(0),
+      [] {
+        PathIntegratorOptions options;
+        options.path_set.max_bounces = 2;
+        return options;
+      }(),
+      agreement_effort(), 4);
+  double sum = 0, variance = all.error * all.error;
+  for (const Estimate& part : parts) {
+    CHECK(part.mean > 0.02 * all.mean);
+    sum += part.mean;
+    variance += part.error * part.error;
+  }
+  INFO("together ", all.mean, ", one by one ", sum);
+  CHECK(std::abs(sum - all.mean) <= 4 * std::sqrt(variance));
+  CHECK(std::sqrt(variance) <= 0.03 * all.mean);
+}
+
 TEST_CASE("estimator agreement: glossy Cornell box, two bounces") {
   check_agreement(make_builtin_scene("cornell-glossy"), 2, agreement_effort());
 }

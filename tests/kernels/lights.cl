@@ -51,7 +51,7 @@ float met_density(const Scene* scene, float3 position, float3 direction, float3*
   }
   if (nearest.triangle == LUCARIUM_NO_HIT) {
     *radiance = environment_radiance(scene, direction);
-    return pdf_light_environment(scene, direction);
+    return pdf_light_environment(scene, position, direction);
   }
   const Surface surface = make_surface(scene, nearest, direction, 0u);
   *radiance = emitted_radiance(scene, &surface);

@@ -112,6 +112,8 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
 
 std::map<std::string, std::string> plan_defines(const Plan& plan) {
   std::map<std::string, std::string> defines;
+  // Weights of whole paths take the probability of a light to be the same for all points.
+  defines["LUCARIUM_LIGHTS_FROM_TABLE"] = "";
   defines["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan.beta);
   if (plan.learned) defines["LEARNED_LIGHTS"] = "1";
   if (plan.punctual_paths) defines["PUNCTUAL_PATHS"] = "1";

@@ -39,6 +39,34 @@ Light punctual_light(const SceneLight& light, float scene_radius) {
   return entry;
 }
 
+LightBounds punctual_bounds(const Light& light) {
+  LightBounds bounds;
+  bounds.power = channel_mean(glm::vec3(light.intensity.xyz()));
+  if (light.kind == LUCARIUM_LIGHT_DIRECTIONAL) return bounds;
+  bounds.lower = bounds.upper = glm::vec3(light.position.xyz());
+  if (light.kind == LUCARIUM_LIGHT_SPOT) {
+    bounds.axis = glm::vec3(light.direction.xyz());
+    bounds.reach = std::acos(std::clamp(light.spot_cos_outer, -1.f, 1.f));
+  } else {
+    bounds.spread = pi;
+  }
+  return bounds;
+}
+
+LightBounds triangle_bounds(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t, bool two_sided, float power) {
+  const auto at = [&](uint32_t v) { return glm::vec3(m * glm::vec4(mesh.positions[v], 1.f)); };
+  const glm::vec3 a = at(t.x), b = at(t.y), c = at(t.z);
+  LightBounds bounds;
+  bounds.lower = glm::min(a, glm::min(b, c));
+  bounds.upper = glm::max(a, glm::max(b, c));
+  const glm::vec3 normal = glm::normalize(glm::cross(b - a, c - a));
+  bounds.axis = glm::determinant(glm::mat3(m)) < 0 ? -normal : normal;
+  bounds.spread = two_sided ? pi : 0;
+  bounds.reach = 0.5f * pi;
+  bounds.power = power;
+  return bounds;
+}
+
 double world_area(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
   const glm::dmat3 linear{glm::mat3(m)};
   const glm::dvec3 a(mesh.positions[t.x]);
@@ -114,6 +142,8 @@ void LightListBuilder::add_triangles(const Scene& scene, LightList& list) {
       entry.triangle = static_cast<uint>(first + t);
       list.triangle_lights[first + t] = static_cast<uint>(list.lights.size());
       list.lights.push_back(entry);
+      list.bounds.push_back(triangle_bounds(instance.world_from_object, mesh, mesh.triangles[t], is_two_sided(material),
+                                            area * channel_mean(radiance)));
     }
   }
 }
@@ -121,7 +151,9 @@ void LightListBuilder::add_triangles(const Scene& scene, LightList& list) {
 LightList LightListBuilder::build(const Scene& scene, float scene_radius, LightChoice choice) {
   LightList list;
   for (const SceneLight& light : scene.lights) {
-    if (light.intensity != glm::vec3(0)) list.lights.push_back(punctual_light(light, scene_radius));
+    if (light.intensity == glm::vec3(0)) continue;
+    list.lights.push_back(punctual_light(light, scene_radius));
+    list.bounds.push_back(punctual_bounds(list.lights.back()));
   }
   add_triangles(scene, list);
   if (scene.environment) {
@@ -133,9 +165,15 @@ LightList LightListBuilder::build(const Scene& scene, float scene_radius, LightC
       entry.triangle = LUCARIUM_NONE;
       list.environment_light = static_cast<uint>(list.lights.size());
       list.lights.push_back(entry);
+      list.bounds.emplace_back().power = channel_mean(integral);
     }
   }
   list.table = light_choice_table(list.lights, choice, [](const Light&) { return true; });
+  const auto has_place = [](const Light& light) {
+    return light.kind != LUCARIUM_LIGHT_DIRECTIONAL && light.kind != LUCARIUM_LIGHT_ENVIRONMENT;
+  };
+  const auto with_place = std::count_if(list.lights.begin(), list.lights.end(), has_place);
+  list.tree = make_light_tree(list.lights, list.bounds, choice == LightChoice::tree && with_place > few_lights);
   list.reach = lamp_reach(list);
   return list;
 }

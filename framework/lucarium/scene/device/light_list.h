@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lucarium/scene/device/emission.h"
+#include "lucarium/scene/device/light_tree.h"
 #include "lucarium/scene/scene.h"
 #include "lucarium/shared/scene_types.h"
 
@@ -11,6 +12,7 @@ namespace lucarium {
 
 /// How light samples are shared out among the entries of the mixture.
 enum class LightChoice {
+  tree,    ///< by what each may send to the lit point (LightTree); what chooses for no point does so by power
   power,   ///< by emitted power, with a share of 10 % spread evenly
   uniform  ///< the same for every entry, whatever its kind
 };
@@ -20,21 +22,28 @@ enum class LightChoice {
 /// variance of the bright ones.
 inline constexpr double even_light_share = 0.1;
 
+/// Where no more lights than this have a place, LightChoice::tree chooses by power: a tree takes a third of the time of
+/// shading a vertex, and where a lamp is two triangles there is nothing to choose.
+inline constexpr int few_lights = 4;
+
 /// The alias table from which one light is drawn per vertex: of those that are included, the others have probability 0.
 /// Meaningless when none is included.
 std::vector<AliasEntry> light_choice_table(const std::vector<Light>& lights, LightChoice choice,
                                            const std::function<bool(const Light&)>& is_included);
 
-/// scene_lights, scene_light_table and scene_triangle_lights: first the punctual lights in their order, then emissive
-/// triangles in world order, last the environment. Entries that emit nothing are left out (of a textured triangle:
-/// black over the whole footprint), as are triangles that rays cannot hit.
+/// scene_lights, what chooses among them, and scene_triangle_lights: first the punctual lights in their order, then
+/// emissive triangles in world order, last the environment. Entries that emit nothing are left out (of a textured
+/// triangle: black over the whole footprint), as are triangles that rays cannot hit.
 struct LightList {
   std::vector<Light> lights;
   std::vector<AliasEntry> table;
+  LightTree tree;
+  std::vector<LightBounds> bounds;  ///< of the lights
   std::vector<uint> triangle_lights;
   uint environment_light = LUCARIUM_NONE;
   /// From this distance on no light sample of a triangle brings a point more than pi times its radiance: the largest
-  /// sqrt(A / pi P) of area A and probability P [m]; of one lamp alone the radius of the disc of its area. 0: none.
+  /// sqrt(A / pi P) of area A and probability P in the table [m]; of one lamp alone the radius of the disc of its area.
+  /// Trees choose near lamps more often. 0: none.
   float reach = 0;
 };
 

@@ -55,7 +55,8 @@ SceneBufferCounts count_elements(const Scene& scene, const SceneLayout& layout) 
   counts.scene_texels = texel_count(scene);
   counts.scene_srgb_table = 256;
   counts.scene_albedo_table = specular_albedo_table().size();
-  counts.scene_lights = counts.scene_light_table = light_capacity(scene);
+  counts.scene_lights = counts.scene_light_table = counts.scene_light_places = light_capacity(scene);
+  counts.scene_light_tree = light_tree_capacity(light_capacity(scene));
   return counts;
 }
 

@@ -21,7 +21,7 @@ namespace lucarium {
 class SceneBuffers {
  public:
   /// Throws Error{device} with required and free bytes, and --texture-size as remedy, if the scene does not fit.
-  SceneBuffers(Device& device, const Scene& scene, LightChoice light_choice = LightChoice::power);
+  SceneBuffers(Device& device, const Scene& scene, LightChoice light_choice = LightChoice::tree);
   SceneBuffers(SceneBuffers&&) noexcept;
   SceneBuffers& operator=(SceneBuffers&&) noexcept;
   ~SceneBuffers();  // compiled once, not in every source that has one

@@ -2,6 +2,7 @@
 #include "lucarium/services/direct_light/light_mixture.h"
 
 #include "lucarium/scene/device/light_list.h"
+#include "lucarium/shared/light_tree.h"
 
 namespace lucarium {
 
@@ -17,6 +18,15 @@ bool includes_light(const PathSet& set, uint32_t kind) {
 
 std::vector<AliasEntry> make_light_mixture(const std::vector<Light>& lights, LightChoice choice, const PathSet& set) {
   return light_choice_table(lights, choice, [&set](const Light& light) { return includes_light(set, light.kind); });
+}
+
+std::vector<uint> make_light_trees(std::vector<uint> words, LightChoice choice, const PathSet& set) {
+  for (uint32_t kind = 0; kind < LUCARIUM_LIGHT_KINDS; ++kind) {
+    if (choice == LightChoice::tree && includes_light(set, kind)) continue;
+    words[LUCARIUM_LIGHT_TREE_ROOTS + kind] = words[LUCARIUM_LIGHT_TREE_POWERS + kind] = 0;
+    words[LUCARIUM_LIGHT_TREE_KINDS] &= ~(1u << kind);
+  }
+  return words;
 }
 
 }  // namespace lucarium

@@ -82,12 +82,15 @@ void PathIntegrator::State::make_light_table() {
   if (options.estimator == PathEstimator::bsdf_only) sampled.emissive_triangles = sampled.environment = false;
   const bool all_kinds = sampled.point_lights && sampled.spot_lights && sampled.directional_lights &&
                          sampled.emissive_triangles && sampled.environment;
-  if (all_kinds && options.light_choice == LightChoice::power) return;
+  if (all_kinds && options.light_choice == LightChoice::tree) return;
   const std::vector<Light> lights = scene.scene_lights.download(0, scene.info().light_count);
-  // As long as the scene's own, which stays while the number of its lights changes.
-  if (!light_table)
+  // As long as the scene's own, which stay while the number of its lights changes.
+  if (!light_table) {
     light_table = TypedBuffer<AliasEntry>(device, owner, "light table", scene.scene_light_table.count());
+    light_tree = TypedBuffer<uint>(device, owner, "light tree", scene.scene_light_tree.count());
+  }
   light_table.upload(make_light_mixture(lights, options.light_choice, sampled));
+  light_tree.upload(make_light_trees(scene.scene_light_tree.download(), options.light_choice, sampled));
 }
 
 bool PathIntegrator::State::samples_lights() const {

@@ -22,7 +22,7 @@ struct PathIntegratorOptions {
   PathSet path_set;
   PathEstimator estimator = PathEstimator::mis;
   PathSampler sampler = PathSampler::sobol;
-  LightChoice light_choice = LightChoice::power;
+  LightChoice light_choice = LightChoice::tree;
   bool roulette = true;                ///< Russian roulette
   int roulette_start = 2;              ///< counted scatterings before Russian roulette may end a path
   uint32_t replicates = 1;             ///< independently scrambled sample sets per pixel; error comes from their spread

@@ -46,7 +46,7 @@ struct PathIntegrator::State {
 
   /// Settings of the kernels, from the options and the contents of the scene.
   PathSettings make_settings() const;
-  /// Fills the light table of the path set, where the scene's own does not serve it.
+  /// Fills the light table and tree of the path set, where the scene's own do not serve it.
   void make_light_table();
   bool samples_lights() const;  ///< whether there may be shadow rays
   void allocate();
@@ -74,6 +74,7 @@ struct PathIntegrator::State {
   Program program;
   Primitives primitives;
   TypedBuffer<AliasEntry> light_table;  ///< empty: the scene's own
+  TypedBuffer<uint> light_tree;         ///< likewise
   PathBuffers paths;
   PathSums sums, backup;  ///< backup: of the last whole iteration, where a cancelled one could leave traces
 

@@ -14,9 +14,10 @@ const char* const kLowerBatch = "lower the technique's batch_paths";
 }  // namespace
 
 void PathIntegrator::State::bind_scene(PassBuilder& pass) const {
-  // SceneBuffers::bind(), but with the light table of the path set.
+  // SceneBuffers::bind(), but with the light table and trees of the path set.
   const auto bind = [&](std::string_view name, const Buffer& own) {
-    pass.arg_if_present(name, light_table && name == "scene_light_table" ? Buffer(light_table) : own);
+    const bool table = light_table && name == "scene_light_table", tree = light_tree && name == "scene_light_tree";
+    pass.arg_if_present(name, table ? Buffer(light_table) : tree ? Buffer(light_tree) : own);
   };
 #define LUCARIUM_BIND_SCENE_BUFFER(type, name, meaning) bind(#name, scene.name);
   LUCARIUM_SCENE_BUFFERS(LUCARIUM_BIND_SCENE_BUFFER)

@@ -35,9 +35,9 @@ float hit_weight(PathSettings settings, const Walk* walk, float light_pdf) {
 }
 
 LUCARIUM_JOIN void add_environment(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk,
-                                   float3 direction, __global float4* path_radiance) {
+                                   float3 position, float3 direction, __global float4* path_radiance) {
   if (!(settings.flags & LUCARIUM_PATH_SEES_ENVIRONMENT)) return;
-  const float weight = hit_weight(settings, walk, pdf_light_environment(scene, direction));
+  const float weight = hit_weight(settings, walk, pdf_light_environment(scene, position, direction));
   if (weight > 0.0f) add_light(batch, walk, weight * environment_radiance(scene, direction), path_radiance);
 }
 
@@ -206,7 +206,7 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
   bool goes_on = false;
   Ray next_ray = inactive_ray();
   if (hit.triangle == LUCARIUM_NO_HIT)
-    add_environment(&scene, settings, batch, &walk, direction, path_radiance);
+    add_environment(&scene, settings, batch, &walk, rays[i].origin.xyz, direction, path_radiance);
   else
     goes_on = shade_hit(&scene, settings, batch, &walk, hit, direction, numbers, i, path_radiance, &shadow_rays[i],
                         &shadow_light[i], &next_ray);
