@@ -29,7 +29,7 @@
 //                                    and sample_direction()
 //   power heuristic                  mis.clh: power_heuristic(); path_integrator/shade_surface.cl: hit_weight();
 //                                    direct_light/light_strategies.clh
-//   choice of a light, alias table   lights.clh: choose_light()
+//   choice of a light                light_tree.clh: choose_light_at(); lights.clh: choose_light()
 //   visible normals of GGX           ggx.clh: sample_ggx_visible_normal()
 //   Russian roulette                 path_integrator/shade_surface.cl: sample_direction()
 //   Owen-scrambled Sobol points      sobol.clh

@@ -106,6 +106,26 @@ TEST_CASE("direct light: a unit-square light at height 1, by every estimator") {
   table.check(2e-3);
 }
 
+TEST_CASE("direct light: a unit-square light of 25 pieces, of which a tree chooses (Lambert's formula)") {
+  const std::vector<glm::vec3> corners = {{-.5f, .2f, -.5f}, {.5f, .2f, -.5f}, {.5f, .2f, .5f}, {-.5f, .2f, .5f}};
+  ClosedForms table;
+  for (const auto& [name, estimator] : kEstimators) {
+    for (const float x : {0.f, .45f, .8f}) {
+      Scene scene = floor_scene(0.5f);
+      const int material = add_material(scene, emitter(10));
+      for (int i = 0; i < 25; ++i)
+        add_horizontal(scene, 0.2f * static_cast<float>(i % 5 - 2), 0.2f, 0.2f * static_cast<float>(i / 5 - 2), 0.2f,
+                       0.2f, false, material);
+      const double exact = polygon_irradiance(corners, {x, 0, .1}, {0, 1, 0});
+      Effort more = usual_effort();
+      if (estimator == PathEstimator::bsdf_only) more.samples_per_replicate *= 4;
+      table.add(name + " at " + std::to_string(x), estimate(scene, patch(x, .1f), direct_only(estimator), more),
+                exact * 10 * 0.5 / M_PI);
+    }
+  }
+  table.check(2e-3);
+}
+
 TEST_CASE("direct light: a tilted pentagon, by every estimator (Lambert's formula)") {
   const glm::vec3 u = glm::normalize(glm::vec3(1, .35f, .1f)),
                   v = glm::normalize(glm::cross(u, glm::vec3(.2f, 1, -.3f)));

@@ -77,6 +77,12 @@ Scene many_lights() {
               center + half * glm::vec3(x, y, z), center);
   }
   add_light(scene, LightType::directional, 0.3f, center, center + glm::vec3(-0.2f, -0.5f, -1));
+  // Panels near the floor that shine on it: both strategies find them.
+  const int panel = add_material(scene, emitter(2));
+  for (int i = 0; i < 9; ++i)
+    add_horizontal(scene, center.x + 0.5f * half.x * static_cast<float>(i % 3 - 1), center.y - 0.8f * half.y,
+                   center.z + 0.5f * half.z * static_cast<float>(i / 3 - 1), 0.4f * half.x, 0.4f * half.z, false,
+                   panel);
   return scene;
 }
 

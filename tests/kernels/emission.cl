@@ -74,7 +74,8 @@ kernel void light_receiver(LUCARIUM_SCENE_PARAMETERS const uint cells, const uin
   for (uint k = 0; k < samples; ++k) {
     const Sampler sampler = make_sampler(7u, i, 0u, k, LUCARIUM_SAMPLER_SOBOL);
     const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-    const LightSample sample = sample_light(&scene, (float3)(place, -1.0f), u.choice, u.point, LUCARIUM_ALL_LIGHTS, 1u);
+    const LightSample sample = sample_light(&scene, lit_point((float3)(place, -1.0f), LUCARIUM_NONE), u.choice, u.point,
+                                            LUCARIUM_ALL_LIGHTS, 1u);
     if (sample.pdf > 0.0f) sum += sample.radiance.y * fmax(sample.direction.z, 0.0f) / sample.pdf;
   }
   values[i] = sum / (float)samples;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/lucarium/light_tree.clh: lights are chosen with the probabilities that are said, these are what the bounds of
-// the lights say, and no light that reaches a point has none.
+// kernels/lucarium/light_tree.clh: lights are chosen with the probabilities that are said, these are what the
+// bounds of the lights say, and no light that reaches a point has none.
 #include "lucarium/shared/light_tree.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 
 #include "chi2.h"
@@ -27,27 +28,34 @@ struct Chosen {
   std::vector<float2> choices;
 };
 
-Chosen choose(const SceneBuffers& buffers, const glm::vec3& position, uint count, uint seed) {
+/// A point to be lit, from one side where it has a normal.
+struct Lit {
+  glm::vec3 position, normal;
+  float4 place() const { return {position, 0.f}; }
+  float4 side() const { return {normal, normal == glm::vec3(0) ? 0.f : 1.f}; }
+};
+
+Chosen choose(const SceneBuffers& buffers, const Lit& point, uint count, uint seed) {
   const auto lights = test_buffer<uint>(count);
   const auto choices = test_buffer<float2>(count);
   run_kernel(tree_program(), "choose_lights_for", count, 64, [&](PassBuilder& pass) {
     buffers.bind(pass);
-    pass.arg("position", float4(position, 0.f)).arg("seed", seed).arg("count", count);
+    pass.arg("position", point.place()).arg("normal", point.side()).arg("seed", seed).arg("count", count);
     pass.arg("lights", lights).arg("choices", choices);
   });
   return {lights.download(), choices.download()};
 }
 
 /// Probabilities, point by point.
-std::vector<float> choices_for(const SceneBuffers& buffers, const std::vector<glm::vec3>& points) {
-  std::vector<float4> positions;
-  for (const glm::vec3& p : points) positions.emplace_back(p, 0.f);
+std::vector<float> choices_for(const SceneBuffers& buffers, const std::vector<Lit>& points) {
+  std::vector<float4> positions, normals;
+  for (const Lit& p : points) positions.push_back(p.place()), normals.push_back(p.side());
   const uint lights = buffers.info().light_count;
-  const auto places = test_buffer(positions);
+  const auto places = test_buffer(positions), sides = test_buffer(normals);
   const auto choices = test_buffer<float>(points.size() * lights);
   run_kernel(tree_program(), "light_choices", points.size(), 1, [&](PassBuilder& pass) {
     buffers.bind(pass);
-    pass.arg("positions", places).arg("count", static_cast<uint>(points.size()));
+    pass.arg("positions", places).arg("normals", sides).arg("count", static_cast<uint>(points.size()));
     pass.arg("light_count", lights).arg("choices", choices);
   });
   return choices.download();
@@ -77,7 +85,10 @@ void add_random_triangles(Scene& scene, Random& random, int count) {
     const glm::vec3 center = random.point(5);
     const glm::vec3 a = center + random.point(0.4f), b = center + random.point(0.4f), c = center + random.point(0.4f);
     const SceneMaterial material = emitter(std::exp(random.number(-2, 2)));
-    add_triangle(scene, i % 5 == 0 ? two_sided(material) : material, a, b, c);
+    // Every ninth is a sliver whose corners lie in a row but for rounding.
+    add_triangle(scene, i % 5 == 0 ? two_sided(material) : material, a, b, i % 9 == 4 ? a + 0.37f * (b - a) : c);
+    if (i % 7 == 1) scene.instances.back().world_from_object = glm::scale(glm::mat4(1.f), glm::vec3(-1, 1, 1));
+    if (i % 7 == 2) scene.instances.back().mirrored = true;
   }
 }
 
@@ -102,15 +113,23 @@ Scene many_lights(uint seed = 11) {
   return scene;
 }
 
-std::vector<glm::vec3> points_among(uint seed, int count) {
+/// Every other one is lit from one side.
+std::vector<Lit> points_among(uint seed, int count) {
   Random random(seed);
-  std::vector<glm::vec3> points;
-  for (int i = 0; i < count; ++i) points.push_back(random.point(i % 3 == 0 ? 12.f : 5.f));
+  std::vector<Lit> points;
+  for (int i = 0; i < count; ++i) {
+    const glm::vec3 position = random.point(i % 3 == 0 ? 12.f : 5.f), normal = random.direction();
+    points.push_back({position, i % 2 ? normal : glm::vec3(0)});
+  }
   return points;
 }
 
+constexpr double slack = 4e-3;    // LIGHT_COSINE_SLACK
+constexpr double packing = 1e-2;  // what packed normals add to probabilities or take from them
+
 /// What a light may send to a point, from the definition in light_tree.clh, by angles [lx].
-double value_of(const SceneBuffers& buffers, const Light& light, const glm::dvec3& point) {
+double value_of(const SceneBuffers& buffers, const Light& light, const Lit& lit) {
+  const glm::dvec3 point(lit.position), normal(lit.normal);
   const glm::dvec3 intensity(light.intensity.xyz());
   const double mean = (intensity.x + intensity.y + intensity.z) / 3;
   glm::dvec3 center(light.position.xyz()), axis(light.direction.xyz());
@@ -127,11 +146,21 @@ double value_of(const SceneBuffers& buffers, const Light& light, const glm::dvec
     axis = glm::normalize(across);
     power = mean * 0.5 * glm::length(across);
   }
-  const glm::dvec3 away = point - center;
-  const double distance = glm::length(away), value = power / (distance * distance + radius * radius);
+  const glm::dvec3 away = light.kind == LUCARIUM_LIGHT_DIRECTIONAL ? axis : point - center;
+  const double distance = glm::length(away);
+  double value = light.kind == LUCARIUM_LIGHT_DIRECTIONAL ? power : power / (distance * distance + radius * radius);
+  if (lit.side().w > 0) {
+    // The sphere's direction nearest to the normal.
+    const double to_center = std::acos(std::clamp(-glm::dot(away, normal) / distance, -1.0, 1.0));
+    const double nearest = distance > radius ? std::max(to_center - std::asin(radius / distance), 0.0) : 0;
+    const double cosine = std::cos(nearest) + slack;
+    value *= cosine > 0 ? 0.1 + 0.9 * cosine : 0;
+  }
+  if (light.kind == LUCARIUM_LIGHT_DIRECTIONAL) return value;
   if (light.kind == LUCARIUM_LIGHT_POINT || distance <= radius) return value;
   const double angle = std::acos(std::clamp(glm::dot(away, axis) / distance, -1.0, 1.0));
-  const double least = std::max(angle - std::asin(radius / distance), 0.0);
+  const double wider = light.kind == LUCARIUM_LIGHT_TRIANGLE ? 1e-3 : 0;  // the cones of triangles
+  const double least = std::max(angle - std::asin(radius / distance) - wider, 0.0);
   if (light.kind == LUCARIUM_LIGHT_TRIANGLE) return value * std::max(std::cos(least), 0.0);
   return std::cos(least) > static_cast<double>(light.spot_cos_outer) ? value : 0;
 }
@@ -151,8 +180,8 @@ std::vector<double> shares_of(const std::vector<double>& values, double even) {
 TEST_CASE("lights are chosen for a point with the probabilities that are said") {
   const SceneBuffers buffers(*test_device(), many_lights());
   const uint lights = buffers.info().light_count, n = full_run() ? 1u << 20 : 1u << 16;
-  REQUIRE(lights == 184);
-  const std::vector<glm::vec3> points = points_among(3, 6);
+  REQUIRE(lights > 170);  // 184, less slivers that nothing can hit
+  const std::vector<Lit> points = points_among(3, 6);
   const std::vector<float> choices = choices_for(buffers, points);
   for (size_t p = 0; p < points.size(); ++p) {
     CAPTURE(p);
@@ -184,7 +213,7 @@ TEST_CASE("no light that reaches a point is left out") {
     const Scene scene = many_lights(seed);
     const SceneBuffers buffers(*test_device(), scene);
     const std::vector<Light> lights = buffers.scene_lights.download(0, buffers.info().light_count);
-    const std::vector<glm::vec3> points = points_among(seed + 7, 40);
+    const std::vector<Lit> points = points_among(seed + 7, 60);
     const std::vector<float> choices = choices_for(buffers, points);
     const std::vector<Triangle> triangles = buffers.scene_triangles.download();
     const std::vector<Vertex> vertices = buffers.scene_vertices.download();
@@ -194,16 +223,23 @@ TEST_CASE("no light that reaches a point is left out") {
     for (size_t p = 0; p < points.size(); ++p) {
       for (size_t i = 0; i < lights.size(); ++i) {
         const Light& light = lights[i];
+        const glm::vec3 point = points[p].position, normal = points[p].normal;
+        const auto before = [&](const glm::vec3& to) { return points[p].side().w == 0 || glm::dot(normal, to) > 0; };
         bool reaches = true;
+        if (light.kind == LUCARIUM_LIGHT_DIRECTIONAL) reaches = before(-glm::vec3(light.direction.xyz()));
+        if (light.kind <= LUCARIUM_LIGHT_SPOT) reaches = before(glm::vec3(light.position.xyz()) - point);
         if (light.kind == LUCARIUM_LIGHT_SPOT) {
-          const glm::vec3 away = glm::normalize(points[p] - glm::vec3(light.position.xyz()));
-          reaches = glm::dot(away, glm::vec3(light.direction.xyz())) > light.spot_cos_outer;
+          const glm::vec3 away = glm::normalize(point - glm::vec3(light.position.xyz()));
+          reaches = reaches && glm::dot(away, glm::vec3(light.direction.xyz())) > light.spot_cos_outer;
         } else if (light.kind == LUCARIUM_LIGHT_TRIANGLE) {
           const Triangle& t = triangles[light.triangle];
           const glm::vec3 a(vertices[t.v0].position.xyz()), b(vertices[t.v1].position.xyz()),
               c(vertices[t.v2].position.xyz());
           const bool both = materials[instances[t.instance].material].flags & LUCARIUM_MATERIAL_DOUBLE_SIDED;
-          reaches = both || glm::dot(glm::cross(b - a, c - a), points[p] - a) > 0;
+          const glm::vec3 across = glm::cross(b - a, c - a);
+          if (glm::length(across) < 1e-4f) continue;  // a sliver, of which rounding decides where it shines
+          reaches = both || glm::dot(across, point - a) > 0;
+          reaches = reaches && (before(a - point) || before(b - point) || before(c - point));
         }
         const bool chosen = choices[p * lights.size() + i] > 0;
         reaching += reaches;
@@ -236,48 +272,69 @@ TEST_CASE("the lights of one node share as their bounds say") {
     const std::vector<Light> lights = buffers.scene_lights.download(0, buffers.info().light_count);
     REQUIRE(lights.size() == 7);
     // Also points so near to a lamp that they are in its sphere, on both sides.
-    std::vector<glm::vec3> points = points_among(32, 60);
+    std::vector<Lit> points = points_among(32, 60);
     for (const SceneInstance& lamp : scene.instances) {
       const std::vector<glm::vec3>& corners = scene.meshes[lamp.mesh].positions;
       const glm::vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.f;
-      for (int i = 0; i < 6; ++i) points.push_back(middle + 0.05f * random.direction());
+      for (int i = 0; i < 6; ++i) {
+        const glm::vec3 position = middle + 0.05f * random.direction(), normal = random.direction();
+        points.push_back({position, i % 2 ? normal : glm::vec3(0)});
+      }
     }
     const std::vector<float> choices = choices_for(buffers, points);
     int compared = 0;
     for (size_t p = 0; p < points.size(); ++p) {
       std::vector<double> values;
-      for (const Light& light : lights) values.push_back(value_of(buffers, light, glm::dvec3(points[p])));
+      for (const Light& light : lights) values.push_back(value_of(buffers, light, points[p]));
       if (*std::max_element(values.begin(), values.end()) == 0) continue;
       const std::vector<double> shares = shares_of(values, 0.01);
       for (size_t i = 0; i < lights.size(); ++i, ++compared)
-        CHECK(static_cast<double>(choices[7 * p + i]) == test::relative(shares[i], 2e-3));
+        CHECK(std::abs(double{choices[7 * p + i]} - shares[i]) <=
+              (points[p].side().w > 0 ? packing : 3e-3 * shares[i]));
     }
     CHECK(compared > 200);
   }
 }
 
 TEST_CASE("kinds of lights share as they send") {
-  Scene scene = empty_scene();
-  Random random(41);
-  add_random_lights(scene, random, LightType::point, 6);
-  add_random_lights(scene, random, LightType::directional, 2);
-  set_environment(scene, 0.05f);
-  const SceneBuffers buffers(*test_device(), scene);
-  const std::vector<Light> lights = buffers.scene_lights.download(0, buffers.info().light_count);
-  REQUIRE(lights.size() == 9);
-  const std::vector<glm::vec3> points = points_among(42, 20);
-  const std::vector<float> choices = choices_for(buffers, points);
-  const auto mean = [&](size_t i) { return double{lights[i].intensity.x}; };  // all are white
-  for (size_t p = 0; p < points.size(); ++p) {
-    std::vector<double> near;
-    for (size_t i = 0; i < 6; ++i) near.push_back(value_of(buffers, lights[i], glm::dvec3(points[p])));
-    const double all_near = std::accumulate(near.begin(), near.end(), 0.0);
-    // The environment's light from all directions: 4 pi L.
-    const std::vector<double> kinds = shares_of({all_near, mean(6) + mean(7), 4 * pi * 0.05}, 0.1);
-    const std::vector<double> of_near = shares_of(near, 0.01), of_far = shares_of({mean(6), mean(7)}, 0.01);
-    for (size_t i = 0; i < 9; ++i) {
-      const double expected = i < 6 ? kinds[0] * of_near[i] : i < 8 ? kinds[1] * of_far[i - 6] : kinds[2];
-      CHECK(static_cast<double>(choices[9 * p + i]) == test::relative(expected, 1e-4));
+  for (const int suns : {1, 2}) {
+    Scene scene = empty_scene();
+    Random random(41);
+    add_random_lights(scene, random, LightType::point, 6);
+    add_random_lights(scene, random, LightType::directional, suns);
+    set_environment(scene, 0.05f);
+    const SceneBuffers buffers(*test_device(), scene);
+    const std::vector<Light> lights = buffers.scene_lights.download(0, buffers.info().light_count);
+    REQUIRE(lights.size() == static_cast<size_t>(7 + suns));
+    const std::vector<Lit> points = points_among(42, 30);
+    const std::vector<float> choices = choices_for(buffers, points);
+    // Suns count as one, from the direction of the cone around them that is best for the point.
+    const glm::dvec3 first(lights[6].direction.xyz()), last(lights[5 + suns].direction.xyz());
+    const glm::dvec3 axis = glm::normalize(first + last);
+    const double cone = suns > 1 ? std::acos(glm::dot(first, axis)) + 1e-3 : 0;
+    for (size_t p = 0; p < points.size(); ++p) {
+      std::vector<double> near, far;
+      for (size_t i = 0; i < 6; ++i) near.push_back(value_of(buffers, lights[i], points[p]));
+      double power = 0;
+      for (size_t i = 6; i < lights.size() - 1; ++i) {
+        far.push_back(value_of(buffers, lights[i], points[p]));
+        power += double{lights[i].intensity.x};  // all are white
+      }
+      if (points[p].side().w > 0) {
+        const double angle = std::acos(-glm::dot(glm::dvec3(points[p].normal), axis));
+        const double cosine = std::cos(std::max(angle - cone, 0.0)) + slack;
+        power *= cosine > 0 ? 0.1 + 0.9 * cosine : 0;
+      }
+      const double all_near = std::accumulate(near.begin(), near.end(), 0.0);
+      // Of all planes the environment lights one by pi L in the mean.
+      const std::vector<double> kinds = shares_of({all_near, power, pi * 0.05}, 0.1);
+      const std::vector<double> of_near = shares_of(near, 0.01), of_far = shares_of(far, 0.01);
+      for (size_t i = 0; i < lights.size(); ++i) {
+        const bool is_far = i >= 6 && i < lights.size() - 1;
+        const double expected = i < 6 ? kinds[0] * of_near[i] : is_far ? kinds[1] * of_far[i - 6] : kinds[2];
+        const double got = double{choices[lights.size() * p + i]};
+        CHECK(std::abs(got - expected) <= packing);
+      }
     }
   }
 }
@@ -297,16 +354,32 @@ TEST_CASE("what a choice among lights leaves of its number is as random as befor
   CHECK(chi2_test(observed, std::vector<double>(bins, double{n} / bins)).p >= 0.01);
 }
 
-TEST_CASE("few lights are chosen from the table, whatever the point") {
+// Found by search: sums of three, added in two ways, differ by more than this number leaves.
+TEST_CASE("who sends nothing is not chosen where sums are rounded") {
+  const auto values = test_buffer(std::vector<float>{3.07442737f, 11.6135740f, 1.50554228f, 0, 0.157238275f, 0, 0, 0});
+  const auto chosen = test_buffer<float2>(1);
+  for (const int number : {16615874, 16615875, 16615876, 16615877}) {
+    const float u = static_cast<float>(number) * 0x1p-24f;
+    run_kernel(tree_program(), "choose_one", 1, 1,
+               [&](PassBuilder& pass) { pass.arg("values", values).arg("u", u).arg("chosen", chosen); });
+    const float2 result = chosen.download().at(0);
+    CHECK((result.x == 2 || result.x == 4));
+    CHECK(result.y > 0);
+  }
+}
+
+TEST_CASE("few lights of one kind are chosen from the table") {
   Scene scene = empty_scene();
   Random random(51);
+  const auto kinds_of_tree = [&](LightChoice choice) {
+    return SceneBuffers(*test_device(), scene, choice).scene_light_tree.download()[LUCARIUM_LIGHT_TREE_KINDS];
+  };
   add_random_lights(scene, random, LightType::point, 4);
-  add_random_lights(scene, random, LightType::directional, 3);
-  const SceneBuffers few(*test_device(), scene);
+  CHECK(kinds_of_tree(LightChoice::tree) == 0);
   add_random_lights(scene, random, LightType::point, 1);
-  const SceneBuffers more(*test_device(), scene), by_power(*test_device(), scene, LightChoice::power);
-  CHECK(few.scene_light_tree.download()[LUCARIUM_LIGHT_TREE_KINDS] == 0);
-  CHECK(by_power.scene_light_tree.download()[LUCARIUM_LIGHT_TREE_KINDS] == 0);
-  CHECK(more.scene_light_tree.download()[LUCARIUM_LIGHT_TREE_KINDS] ==
-        (1u << LUCARIUM_LIGHT_POINT | 1u << LUCARIUM_LIGHT_DIRECTIONAL));
+  CHECK(kinds_of_tree(LightChoice::tree) == 1u << LUCARIUM_LIGHT_POINT);
+  scene.lights.resize(1);
+  add_random_lights(scene, random, LightType::directional, 1);
+  CHECK(kinds_of_tree(LightChoice::tree) == (1u << LUCARIUM_LIGHT_POINT | 1u << LUCARIUM_LIGHT_DIRECTIONAL));
+  CHECK(kinds_of_tree(LightChoice::power) == 0);
 }

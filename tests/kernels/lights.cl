@@ -15,7 +15,8 @@ kernel void sample_lights(LUCARIUM_SCENE_PARAMETERS const float4 position, const
   if (i >= count) return;
   const Sampler sampler = make_sampler(seed, i % 16u, 0u, i / 16u, LUCARIUM_SAMPLER_SOBOL);
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-  const LightSample sample = sample_light(&scene, position.xyz, u.choice, u.point, kinds, ray_seed);
+  const LightSample sample =
+      sample_light(&scene, lit_point(position.xyz, LUCARIUM_NONE), u.choice, u.point, kinds, ray_seed);
   directions[i] = (float4)(sample.direction, sample.pdf);
   radiances[i] = (float4)(sample.radiance, (float)(sample.punctual + 2u * sample.infinite));
   ends[i] = (float4)(sample.end, 0.0f);
@@ -27,7 +28,8 @@ kernel void illuminate_points(LUCARIUM_SCENE_PARAMETERS const global float4* pos
   LUCARIUM_SCENE_BIND(scene);
   const uint i = get_global_id(0);
   if (i >= count) return;
-  const LightSample sample = sample_light(&scene, positions[i].xyz, 0.5f, (float2)(0.5f), LUCARIUM_ALL_LIGHTS, 1u);
+  const LightSample sample =
+      sample_light(&scene, lit_point(positions[i].xyz, LUCARIUM_NONE), 0.5f, (float2)(0.5f), LUCARIUM_ALL_LIGHTS, 1u);
   values[i] = sample.pdf > 0.0f ? (float4)(sample.radiance / sample.pdf, sample.direction.z) : (float4)(0.0f);
 }
 
@@ -51,11 +53,11 @@ float met_density(const Scene* scene, float3 position, float3 direction, float3*
   }
   if (nearest.triangle == LUCARIUM_NO_HIT) {
     *radiance = environment_radiance(scene, direction);
-    return pdf_light_environment(scene, position, direction);
+    return pdf_light_environment(scene, lit_point(position, LUCARIUM_NONE), direction);
   }
   const Surface surface = make_surface(scene, nearest, direction, 0u);
   *radiance = emitted_radiance(scene, &surface);
-  return pdf_light_surface(scene, &surface, nearest.distance);
+  return pdf_light_surface(scene, &surface, nearest.distance, LUCARIUM_NONE);
 }
 
 kernel void integrate_light_density(LUCARIUM_SCENE_PARAMETERS const float4 position, const uint columns,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/halton.clh"
+#include "lucarium/random.clh"
 #include "lucarium/sobol.clh"
 #include "lucarium/warp.clh"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/lucarium/sobol.clh, halton.clh, random.clh against plain host versions and against what makes them good.
+// kernels/lucarium/sobol.clh, random.clh against plain host versions and against what makes them good.
 #include <doctest/doctest.h>
 
 #include <array>

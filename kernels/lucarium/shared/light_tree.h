@@ -7,11 +7,15 @@
 
 #define LUCARIUM_LIGHT_KINDS 5u
 
-// The buffer begins with a header of 16 words.
-#define LUCARIUM_LIGHT_TREE_HEADER 16u
+// The buffer begins with a header of 24 words.
+#define LUCARIUM_LIGHT_TREE_HEADER 24u
 #define LUCARIUM_LIGHT_TREE_ROOTS 0u   // per kind: the word where its root begins, 0: it has no tree
 #define LUCARIUM_LIGHT_TREE_KINDS 5u   // bits of the kinds that there are; 0: light samples choose from the table
-#define LUCARIUM_LIGHT_TREE_POWERS 8u  // per kind, of lights at infinity: what they send a plane that faces them [lx]
+#define LUCARIUM_LIGHT_TREE_POWERS 8u  // 8: per kind, of lights at infinity what they send a plane that faces them [lx]
+#define LUCARIUM_LIGHT_TREE_SUN_X 16u  // axis of a cone that holds the ways of all directional lights, unit
+#define LUCARIUM_LIGHT_TREE_SUN_Y 17u
+#define LUCARIUM_LIGHT_TREE_SUN_Z 18u
+#define LUCARIUM_LIGHT_TREE_SUN_COS 19u  // of its half angle
 
 // A node: rows of 8 floats, one per child. What a child's lights send is bounded: they lie in a sphere, their axes (a
 // triangle's front normal, a spot's direction) in a cone.

@@ -202,7 +202,7 @@ __kernel LUCARIUM_FLATTEN void shade_eye_vertices(
 
   // The environment ends the path.
   if (hit.triangle == LUCARIUM_NO_HIT) {
-    add_environment(&scene, rules, shares, &walk, rays[i].origin.xyz, direction, sample);
+    add_environment(&scene, rules, shares, &walk, direction, sample);
     states[walk.path].flags = walk.state.flags;
     return;
   }

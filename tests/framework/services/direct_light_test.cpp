@@ -93,6 +93,25 @@ TEST_CASE("direct light: at the G-buffer's pixels it is the path tracer's direct
   }
 }
 
+TEST_CASE("direct light: many lights on both sides of rough glass, chosen by place as by power") {
+  Scene scene = make_builtin_scene("cornell");
+  const Bounds bounds = scene.bounds();
+  const glm::vec3 center = bounds.center(), half = bounds.max - center;
+  SceneMaterial glass = clear_glass();
+  glass.roughness = 0.5f;
+  add_box(scene, center - 0.6f * half, center + 0.6f * half, false, add_material(scene, glass));
+  for (int i = 0; i < 8; ++i) {
+    const glm::vec3 place(0.2f * static_cast<float>(i % 4) - 0.3f, 0.1f, i < 4 ? 0.1f : 0.8f);
+    add_light(scene, LightType::point, 0.02f, center + half * place, center);
+    add_light(scene, LightType::point, 0.02f, center - half * place, center);
+  }
+  PathIntegratorOptions by_power;
+  by_power.light_choice = LightChoice::power;
+  const LayerMeans paths = by_paths(scene, 16, 64, by_power);
+  check_same_mean("by services", by_services(scene, 16, 64).direct, paths.direct);
+  check_same_mean("by paths", by_paths(scene, 16, 64).direct, paths.direct);
+}
+
 TEST_CASE("direct light: of some kinds of lights only") {
   const Scene scene = mixed_scene();
   PathIntegratorOptions punctual, others;

@@ -16,6 +16,7 @@
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/light_paths/light_paths.h"
+#include "lucarium/shared/light_tree.h"
 #include "lucarium/shared/surface_point.h"
 #include "made_scene.h"
 #include "test_support.h"
@@ -158,6 +159,27 @@ TEST_CASE("a small portal a centimetre away, a lamp elsewhere: samples of both a
     CHECK(found.mean == test::relative(expected, 0.02));
     CHECK(found.largest <= 2 * pi * lamp * 1.0001);
     CHECK(found.variance < expected * expected);
+  }
+}
+
+TEST_CASE("a lamp of many pieces close above a point, of which a tree chooses: no light is lost or found twice") {
+  // 5 x 5 squares of 0.4 m at a height of 0.15 m are one of 2 m: four corner rectangles of 1 m.
+  const double side = 1, height = 0.15, x = side / height, root = std::sqrt(1 + x * x);
+  const double expected = 4 * x / root * std::atan(x / root);
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  const int material = add_material(scene, emitter(1));
+  for (int i = 0; i < 25; ++i)
+    add_horizontal(scene, 0.4f * static_cast<float>(i % 5 - 2), 0.15f, 0.4f * static_cast<float>(i / 5 - 2), 0.4f, 0.4f,
+                   false, material);
+  PointRig rig(std::move(scene), middle(0), 1024);
+  REQUIRE(rig.buffers.scene_light_tree.download()[LUCARIUM_LIGHT_TREE_KINDS] != 0);
+  for (const uint32_t seed : {1u, 2u}) {
+    const Spread found = spread(rig.samples(16, seed));
+    MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.largest);
+    CHECK(found.mean == test::relative(expected, 0.01));
+    CHECK(found.largest <= 2 * expected);
+    CHECK(found.variance < 0.2 * expected * expected);
   }
 }
 

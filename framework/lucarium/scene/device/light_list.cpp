@@ -2,12 +2,14 @@
 #include "lucarium/scene/device/light_list.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
 #include "lucarium/scene/device/alias_table.h"
 #include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/environment_tables.h"
+#include "lucarium/scene/device/scene_layout.h"
 
 namespace lucarium {
 
@@ -42,10 +44,10 @@ Light punctual_light(const SceneLight& light, float scene_radius) {
 LightBounds punctual_bounds(const Light& light) {
   LightBounds bounds;
   bounds.power = channel_mean(glm::vec3(light.intensity.xyz()));
+  if (light.kind != LUCARIUM_LIGHT_POINT) bounds.axis = glm::vec3(light.direction.xyz());
   if (light.kind == LUCARIUM_LIGHT_DIRECTIONAL) return bounds;
   bounds.lower = bounds.upper = glm::vec3(light.position.xyz());
   if (light.kind == LUCARIUM_LIGHT_SPOT) {
-    bounds.axis = glm::vec3(light.direction.xyz());
     bounds.reach = std::acos(std::clamp(light.spot_cos_outer, -1.f, 1.f));
   } else {
     bounds.spread = pi;
@@ -53,17 +55,32 @@ LightBounds punctual_bounds(const Light& light) {
   return bounds;
 }
 
-LightBounds triangle_bounds(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t, bool two_sided, float power) {
-  const auto at = [&](uint32_t v) { return glm::vec3(m * glm::vec4(mesh.positions[v], 1.f)); };
-  const glm::vec3 a = at(t.x), b = at(t.y), c = at(t.z);
+/// power: in one direction [cd].
+LightBounds triangle_bounds(const SceneInstance& instance, const Mesh& mesh, const glm::uvec3& t, bool two_sided,
+                            float power) {
+  const glm::mat4& m = instance.world_from_object;
+  const glm::mat3 sizes(glm::abs(glm::vec3(m[0])), glm::abs(glm::vec3(m[1])), glm::abs(glm::vec3(m[2])));
+  glm::vec3 corners[3], largest(0);
+  for (int i = 0; i < 3; ++i) {
+    const glm::vec3& p = mesh.positions[t[i]];
+    corners[i] = glm::vec3(m * glm::vec4(p, 1.f));
+    largest = glm::max(largest, sizes * glm::abs(p) + glm::abs(glm::vec3(m[3])));
+  }
+  // The device rounds other than the host does.
+  const float rounding = 4e-7f * std::max(largest.x, std::max(largest.y, largest.z));
   LightBounds bounds;
-  bounds.lower = glm::min(a, glm::min(b, c));
-  bounds.upper = glm::max(a, glm::max(b, c));
-  const glm::vec3 normal = glm::normalize(glm::cross(b - a, c - a));
-  bounds.axis = glm::determinant(glm::mat3(m)) < 0 ? -normal : normal;
-  bounds.spread = two_sided ? pi : 0;
+  bounds.lower = glm::min(corners[0], glm::min(corners[1], corners[2])) - rounding;
+  bounds.upper = glm::max(corners[0], glm::max(corners[1], corners[2])) + rounding;
   bounds.reach = 0.5f * pi;
   bounds.power = power;
+  const glm::dvec3 u(corners[1] - corners[0]), v(corners[2] - corners[0]);
+  const glm::dvec3 across = glm::cross(u, v);
+  const double area = glm::length(across),
+               side = std::max(glm::length(u), std::max(glm::length(v), glm::length(u - v)));
+  // By so much may rounding turn a sliver.
+  const double turn = area > 0 ? 4 * static_cast<double>(rounding) * side / area : 1;
+  bounds.spread = two_sided || turn > 0.5 ? pi : static_cast<float>(turn);
+  if (area > 0) bounds.axis = glm::vec3((is_flipped(instance) ? -1.0 : 1.0) / area * across);
   return bounds;
 }
 
@@ -78,6 +95,17 @@ double world_area(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
 bool hit_by_rays(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
   const auto at = [&](uint32_t v) { return glm::vec3(m * glm::vec4(mesh.positions[v], 1.f)); };
   return !is_degenerate(at(t.x), at(t.y), at(t.z));
+}
+
+/// Whether there is something to choose by place: many lights, or several kinds.
+bool needs_tree(const std::vector<Light>& lights) {
+  int with_place = 0;
+  uint kinds = 0;
+  for (const Light& light : lights) {
+    with_place += light.kind != LUCARIUM_LIGHT_DIRECTIONAL && light.kind != LUCARIUM_LIGHT_ENVIRONMENT;
+    kinds |= 1u << light.kind;
+  }
+  return with_place > few_lights || std::popcount(kinds) > 1;
 }
 
 float lamp_reach(const LightList& list) {
@@ -115,7 +143,7 @@ glm::vec3 light_flux(const SceneLight& light, float scene_radius) {
   return pi * scene_radius * scene_radius * light.intensity;
 }
 
-void LightListBuilder::add_triangles(const Scene& scene, LightList& list) {
+void LightListBuilder::add_triangles(const Scene& scene, LightList& list, std::vector<LightBounds>& bounds) {
   EmissionEstimator estimator(scene);
   radiance_.resize(scene.instances.size());
   for (size_t i = 0; i < scene.instances.size(); ++i) {
@@ -142,20 +170,21 @@ void LightListBuilder::add_triangles(const Scene& scene, LightList& list) {
       entry.triangle = static_cast<uint>(first + t);
       list.triangle_lights[first + t] = static_cast<uint>(list.lights.size());
       list.lights.push_back(entry);
-      list.bounds.push_back(triangle_bounds(instance.world_from_object, mesh, mesh.triangles[t], is_two_sided(material),
-                                            area * channel_mean(radiance)));
+      bounds.push_back(
+          triangle_bounds(instance, mesh, mesh.triangles[t], is_two_sided(material), area * channel_mean(radiance)));
     }
   }
 }
 
 LightList LightListBuilder::build(const Scene& scene, float scene_radius, LightChoice choice) {
   LightList list;
+  std::vector<LightBounds> bounds;
   for (const SceneLight& light : scene.lights) {
     if (light.intensity == glm::vec3(0)) continue;
     list.lights.push_back(punctual_light(light, scene_radius));
-    list.bounds.push_back(punctual_bounds(list.lights.back()));
+    bounds.push_back(punctual_bounds(list.lights.back()));
   }
-  add_triangles(scene, list);
+  add_triangles(scene, list, bounds);
   if (scene.environment) {
     const glm::vec3 integral = environment_integral(*scene.environment);
     if (channel_mean(integral) > 0) {
@@ -165,15 +194,11 @@ LightList LightListBuilder::build(const Scene& scene, float scene_radius, LightC
       entry.triangle = LUCARIUM_NONE;
       list.environment_light = static_cast<uint>(list.lights.size());
       list.lights.push_back(entry);
-      list.bounds.emplace_back().power = channel_mean(integral);
+      bounds.emplace_back().power = 0.25f * channel_mean(integral);  // of all planes, the mean
     }
   }
   list.table = light_choice_table(list.lights, choice, [](const Light&) { return true; });
-  const auto has_place = [](const Light& light) {
-    return light.kind != LUCARIUM_LIGHT_DIRECTIONAL && light.kind != LUCARIUM_LIGHT_ENVIRONMENT;
-  };
-  const auto with_place = std::count_if(list.lights.begin(), list.lights.end(), has_place);
-  list.tree = make_light_tree(list.lights, list.bounds, choice == LightChoice::tree && with_place > few_lights);
+  list.tree = make_light_tree(list.lights, bounds, choice == LightChoice::tree && needs_tree(list.lights));
   list.reach = lamp_reach(list);
   return list;
 }

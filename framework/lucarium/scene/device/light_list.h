@@ -22,8 +22,8 @@ enum class LightChoice {
 /// variance of the bright ones.
 inline constexpr double even_light_share = 0.1;
 
-/// Where no more lights than this have a place, LightChoice::tree chooses by power: a tree takes a third of the time of
-/// shading a vertex, and where a lamp is two triangles there is nothing to choose.
+/// Where all lights are of one kind, and no more than this have a place, LightChoice::tree chooses by power: a tree
+/// takes a third of the time of shading a vertex, and where a lamp is two triangles there is nothing to choose.
 inline constexpr int few_lights = 4;
 
 /// The alias table from which one light is drawn per vertex: of those that are included, the others have probability 0.
@@ -38,12 +38,11 @@ struct LightList {
   std::vector<Light> lights;
   std::vector<AliasEntry> table;
   LightTree tree;
-  std::vector<LightBounds> bounds;  ///< of the lights
   std::vector<uint> triangle_lights;
   uint environment_light = LUCARIUM_NONE;
-  /// From this distance on no light sample of a triangle brings a point more than pi times its radiance: the largest
-  /// sqrt(A / pi P) of area A and probability P in the table [m]; of one lamp alone the radius of the disc of its area.
-  /// Trees choose near lamps more often. 0: none.
+  /// From this distance on no light sample of a triangle that is chosen from the table brings a point more than pi
+  /// times its radiance: the largest sqrt(A / pi P) of area A and probability P [m]; of one lamp alone the radius of
+  /// the disc of its area. 0: none. Of trees it is no bound: what they choose brings about what all lights do together.
   float reach = 0;
 };
 
@@ -58,7 +57,7 @@ class LightListBuilder {
   void drop_radiance() { radiance_.clear(); }
 
  private:
-  void add_triangles(const Scene& scene, LightList& list);
+  void add_triangles(const Scene& scene, LightList& list, std::vector<LightBounds>& bounds);
   std::vector<std::vector<glm::vec3>> radiance_;  ///< per instance that emits: mean radiance of its triangles
 };
 

@@ -65,9 +65,8 @@ float cone_measure(const LightBounds& b) {
 
 /// How badly such lights are bounded.
 float split_cost(const LightBounds& b) {
-  const glm::vec3 side = b.upper - b.lower;
-  const float area = side.x * side.y + side.y * side.z + side.z * side.x;
-  return b.power * area * cone_measure(b);
+  const glm::vec3 diagonal = b.upper - b.lower;  // of lights in a row a box has no area, the sphere around it has
+  return b.power * glm::dot(diagonal, diagonal) * cone_measure(b);
 }
 
 uint word(float x) { return std::bit_cast<uint>(x); }
@@ -90,6 +89,13 @@ class LightTreeBuilder {
       tree_.words[node + LUCARIUM_LIGHT_NODE_CHILD + k] = child;
     }
     return node;
+  }
+
+  /// The cone that holds the ways of lights at infinity, for the header.
+  void write_suns(uint* begin, uint* end) {
+    const Part suns = part(begin, end);
+    tree_.words[LUCARIUM_LIGHT_TREE_SUN_COS] = word(std::cos(spread_of(suns)));
+    for (int axis = 0; axis < 3; ++axis) tree_.words[LUCARIUM_LIGHT_TREE_SUN_X + axis] = word(suns.bounds.axis[axis]);
   }
 
  private:
@@ -127,18 +133,25 @@ class LightTreeBuilder {
     return p;
   }
 
+  /// Half angle of the cone about the axis that holds all of them [rad].
+  float spread_of(const Part& p) const {
+    float spread = 0;
+    for (const uint* i = p.begin; i < p.end; ++i)
+      spread = std::max(spread, angle_between(p.bounds.axis, bounds_[*i].axis) + bounds_[*i].spread);
+    return spread > 0 ? std::min(spread + cone_slack, half_turn) : 0;
+  }
+
   void write_child(uint node, uint k, const Part& p) {
     uint* const row = &tree_.words[node] + k;
     const glm::vec3 center = 0.5f * (p.bounds.lower + p.bounds.upper);
     // Bounds of all together are wider than need be.
-    float radius = 0, spread = 0;
+    float radius = 0;
     for (const uint* i = p.begin; i < p.end; ++i) {
       const LightBounds& b = bounds_[*i];
       radius = std::max(radius, glm::length(middle_of(b) - center) + 0.5f * glm::length(b.upper - b.lower));
-      spread = std::max(spread, angle_between(p.bounds.axis, b.axis) + b.spread);
     }
     radius = std::min(radius, 0.5f * glm::length(p.bounds.upper - p.bounds.lower));
-    spread = spread > 0 ? std::min(spread + cone_slack, half_turn) : 0;
+    const float spread = spread_of(p);
     for (int axis = 0; axis < 3; ++axis) {
       row[LUCARIUM_LIGHT_NODE_CENTER + children * axis] = word(center[axis]);
       row[LUCARIUM_LIGHT_NODE_AXIS + children * axis] = word(p.bounds.axis[axis]);
@@ -216,6 +229,7 @@ LightTree make_light_tree(const std::vector<Light>& lights, const std::vector<Li
     tree.words[LUCARIUM_LIGHT_TREE_POWERS + kind] = word(power);
     tree.words[LUCARIUM_LIGHT_TREE_KINDS] |= 1u << kind;
     if (kind == LUCARIUM_LIGHT_ENVIRONMENT) continue;
+    if (kind == LUCARIUM_LIGHT_DIRECTIONAL) builder.write_suns(members.data(), members.data() + members.size());
     const uint root = builder.build(members.data(), members.data() + members.size(), 0);
     tree.words[LUCARIUM_LIGHT_TREE_ROOTS + kind] = root;
   }

@@ -13,7 +13,8 @@ struct LightBounds {
   glm::vec3 axis{0, 0, 1};       ///< unit
   float spread = 0;              ///< half angle of the cone of axes [rad]; π: any direction
   float reach = 0;               ///< how far off its axis it sends anything [rad]
-  float power = 0;               ///< most that it sends in one direction [cd]; a light at infinity: to a plane [lx]
+  float power = 0;  ///< most that it sends in one direction [cd], of a textured triangle on average; a light
+                    ///< at infinity: to a plane that faces it [lx]
 };
 
 /// The trees by which light samples choose lights for a point (kernels/lucarium/light_tree.clh), in the layout of
@@ -23,8 +24,9 @@ struct LightTree {
   std::vector<uint> places;  ///< per light
 };
 
-/// Splits sets of lights where the sum over both halves of power · area of the box · solid angle of the cone is least
-/// (Conty Estevez and Kulla 2018, section 4.1). in_use: whether light samples choose by it.
+/// Splits sets of lights where the sum over both halves of power · area of the sphere · solid angle of the cone is
+/// least (Conty Estevez and Kulla 2018, section 4.1; they have the area of the box). in_use: whether light samples
+/// choose by it.
 LightTree make_light_tree(const std::vector<Light>& lights, const std::vector<LightBounds>& bounds, bool in_use);
 
 /// Words of the largest tree over so many lights.

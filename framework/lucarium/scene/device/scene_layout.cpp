@@ -37,14 +37,18 @@ glm::vec3 extinction(const glm::vec3& color, float distance) {
 
 }  // namespace
 
+bool is_flipped(const SceneInstance& instance) {
+  return (glm::determinant(glm::dmat3(glm::mat3(instance.world_from_object))) < 0) != instance.mirrored;
+}
+
 void place_instance(Instance& record, const SceneInstance& instance) {
   const glm::mat4& m = instance.world_from_object;
   const glm::mat3 normals = normal_matrix(glm::mat3(m));
   record.row0 = matrix_row(m, 0), record.row1 = matrix_row(m, 1), record.row2 = matrix_row(m, 2);
   record.normal0 = matrix_row(normals, 0), record.normal1 = matrix_row(normals, 1);
   record.normal2 = matrix_row(normals, 2);
-  const bool flipped = (glm::determinant(glm::dmat3(glm::mat3(m))) < 0) != instance.mirrored;
-  record.flags = (flipped ? LUCARIUM_INSTANCE_FLIPPED : 0u) | (instance.pose ? LUCARIUM_INSTANCE_DEFORMED : 0u);
+  record.flags =
+      (is_flipped(instance) ? LUCARIUM_INSTANCE_FLIPPED : 0u) | (instance.pose ? LUCARIUM_INSTANCE_DEFORMED : 0u);
 }
 
 SceneLayout::SceneLayout(const Scene& scene) {

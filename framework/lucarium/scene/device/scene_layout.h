@@ -31,6 +31,10 @@ struct SceneLayout {
 /// scene_alpha: bit t mod 32 of word t / 32 says whether the material of world triangle t is MASK or BLEND.
 std::vector<uint32_t> alpha_bits(const Scene& scene, const SceneLayout& layout);
 
+/// Whether triangles of the mesh have their corners exchanged on the device, so that they stay counter-clockwise from
+/// the front.
+bool is_flipped(const SceneInstance& instance);
+
 /// Sets transform, normal transform and flags of a record.
 void place_instance(Instance& record, const SceneInstance& instance);
 

@@ -92,6 +92,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   const BufferRef occluded = recorder.transient<uint32_t>("occluded", count, kFewerPoints);
   const BufferRef bsdf_rays = recorder.transient<Ray>("BSDF rays", count, kFewerPoints);
   const BufferRef bsdf_weights = recorder.transient<float4>("BSDF weights", count, kFewerPoints);
+  const BufferRef sides = recorder.transient<uint32_t>("lit sides", count, kFewerPoints);
   const BufferRef hits = recorder.transient<Hit>("hits", count, kFewerPoints);
   const BufferRef shadow_ends = transient_ray_ends(recorder, intersector, "ends of shadow rays", count, kFewerPoints);
   const BufferRef bsdf_ends = transient_ray_ends(recorder, intersector, "ends of BSDF rays", count, kFewerPoints);
@@ -114,6 +115,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
       .arg("shadow_light", shadow_light)
       .arg("bsdf_rays", bsdf_rays)
       .arg("bsdf_weights", bsdf_weights)
+      .arg("sides", sides)
       .arg_if_present("shadow_ends", shadow_ends)
       .arg_if_present("bsdf_ends", bsdf_ends);
   intersector.record_any(recorder, "shadow rays", {shadow_rays, point_count, 0, count, shadow_ends}, occluded);
@@ -127,6 +129,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
       .arg("occluded", occluded)
       .arg("bsdf_rays", bsdf_rays)
       .arg("bsdf_weights", bsdf_weights)
+      .arg("sides", sides)
       .arg("hits", hits)
       .arg("radiance", sums);
   recorded.schedule = recorder.compile();

@@ -20,9 +20,9 @@ std::vector<AliasEntry> make_light_mixture(const std::vector<Light>& lights, Lig
   return light_choice_table(lights, choice, [&set](const Light& light) { return includes_light(set, light.kind); });
 }
 
-std::vector<uint> make_light_trees(std::vector<uint> words, LightChoice choice, const PathSet& set) {
+std::vector<uint> make_light_trees(std::vector<uint> words, const PathSet& set) {
   for (uint32_t kind = 0; kind < LUCARIUM_LIGHT_KINDS; ++kind) {
-    if (choice == LightChoice::tree && includes_light(set, kind)) continue;
+    if (includes_light(set, kind)) continue;
     words[LUCARIUM_LIGHT_TREE_ROOTS + kind] = words[LUCARIUM_LIGHT_TREE_POWERS + kind] = 0;
     words[LUCARIUM_LIGHT_TREE_KINDS] &= ~(1u << kind);
   }

@@ -20,13 +20,14 @@ __kernel void draw_direct_numbers(uint count, uint sample_index, uint seed, __gl
 
 // numbers: of draw_direct_numbers().
 // shadow_light: xyz what the pixel gets if shadow ray i is free; w: bits of the medium that BSDF ray i runs through.
+// sides: of the pixels as lit points (lights.clh).
 // bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
 __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
                                      uint kinds, __global const float* restrict numbers,
                                      LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends) LUCARIUM_RAY_ENDS_PARAMETER(bsdf_ends)
                                          __global Ray* restrict shadow_rays,
                                      __global float4* restrict shadow_light, __global Ray* restrict bsdf_rays,
-                                     __global float4* restrict bsdf_weights) {
+                                     __global float4* restrict bsdf_weights, __global uint* restrict sides) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -45,8 +46,9 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   float3 light;
   Ray ray;
   RayEnds ends;
+  const uint side = sides[i] = lit_side(&scene, &surface, &bsdf);
   const uint here = gbuffer_medium(point), behind = medium_behind(&scene, &surface, here);
-  if (sample_light_at(&scene, &surface, &bsdf, u, here, true, kinds, drawn.shadow_seed, &light, &ray, &ends)) {
+  if (sample_light_at(&scene, &surface, &bsdf, side, u, here, true, kinds, drawn.shadow_seed, &light, &ray, &ends)) {
     shadow_rays[i] = ray;
     LUCARIUM_STORE_RAY_ENDS(shadow_ends, i, ends);
     shadow_light[i] = (float4)(point.throughput.xyz * light, 0.0f);

@@ -7,7 +7,7 @@ __kernel void generate_camera_paths(Frame frame, PathSettings settings, PathBatc
                                     LUCARIUM_RAY_ENDS_PARAMETER(ends) __global Ray* restrict rays,
                                     __global uint* restrict queue, __global uint* restrict active,
                                     __global float4* restrict path_throughput, __global PathState* restrict path_state,
-                                    __global float4* restrict path_radiance) {
+                                    __global uint* restrict path_side, __global float4* restrict path_radiance) {
   const uint path = get_global_id(0);
   const uint paths = batch.pixel_count * batch.sample_count;
   if (path == 0) active[0] = paths;
@@ -26,5 +26,6 @@ __kernel void generate_camera_paths(Frame frame, PathSettings settings, PathBatc
   state.medium = LUCARIUM_NONE;
   state.flags = path_with_carried(PATH_AFTER_DELTA, 1.0f);
   path_state[path] = state;
+  path_side[path] = LUCARIUM_NONE;
   for (uint layer = 0; layer < LUCARIUM_PATH_LAYERS; ++layer) path_radiance[layer * paths + path] = (float4)(0.0f);
 }

@@ -9,6 +9,7 @@
 #include "lucarium/services/direct_light/light_mixture.h"
 #include "lucarium/services/path_integrator/path_integrator_state.h"
 #include "lucarium/services/ray_ends.h"
+#include "lucarium/shared/light_tree.h"
 
 namespace lucarium {
 namespace {
@@ -85,12 +86,15 @@ void PathIntegrator::State::make_light_table() {
   if (all_kinds && options.light_choice == LightChoice::tree) return;
   const std::vector<Light> lights = scene.scene_lights.download(0, scene.info().light_count);
   // As long as the scene's own, which stay while the number of its lights changes.
+  const bool by_place = options.light_choice == LightChoice::tree;
+  const size_t tree_words = by_place ? scene.scene_light_tree.count() : LUCARIUM_LIGHT_TREE_HEADER;
   if (!light_table) {
     light_table = TypedBuffer<AliasEntry>(device, owner, "light table", scene.scene_light_table.count());
-    light_tree = TypedBuffer<uint>(device, owner, "light tree", scene.scene_light_tree.count());
+    light_tree = TypedBuffer<uint>(device, owner, "light tree", tree_words);
   }
   light_table.upload(make_light_mixture(lights, options.light_choice, sampled));
-  light_tree.upload(make_light_trees(scene.scene_light_tree.download(), options.light_choice, sampled));
+  light_tree.upload(by_place ? make_light_trees(scene.scene_light_tree.download(), sampled)
+                             : std::vector<uint>(tree_words, 0));
 }
 
 bool PathIntegrator::State::samples_lights() const {
@@ -145,6 +149,7 @@ void PathIntegrator::State::allocate() {
   make(paths.active, "active paths", 1);
   make(paths.throughput, "throughput", count);
   make(paths.state, "path state", count);
+  make(paths.side, "path side", count);
   make(paths.radiance, "radiance", count * LUCARIUM_PATH_LAYERS);
   const auto make_sums = [&](PathSums& target) {
     make(target.layers, "layer sums", size_t{plan.pixels} * LUCARIUM_PATH_LAYERS * 2);
@@ -161,7 +166,7 @@ size_t PathIntegrator::estimate_bytes(uint32_t width, uint32_t height, const Pat
                                       bool ray_ends) {
   const BatchPlan plan = plan_batches(width, height, options);
   const size_t per_path = 2 * sizeof(Ray) + sizeof(Hit) + sizeof(PathState) +
-                          (2 + LUCARIUM_PATH_LAYERS) * sizeof(float4) + sizeof(Ray) + 6 * sizeof(uint32_t) +
+                          (2 + LUCARIUM_PATH_LAYERS) * sizeof(float4) + sizeof(Ray) + 7 * sizeof(uint32_t) +
                           LUCARIUM_PATH_NUMBER_ROWS * sizeof(float) + (ray_ends ? 3 * sizeof(RayEnds) : 0);
   const size_t per_pixel =
       (LUCARIUM_PATH_LAYERS + (options.replicates > 1 ? options.replicates : 0)) * 2 * sizeof(float4) +

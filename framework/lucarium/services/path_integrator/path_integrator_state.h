@@ -28,6 +28,7 @@ struct PathBuffers {
   TypedBuffer<uint32_t> active;    ///< one element: rays in the queue
   TypedBuffer<float4> throughput;  ///< xyz; w: pdf of the last BSDF sample [1/sr]
   TypedBuffer<PathState> state;
+  TypedBuffer<uint32_t> side;    ///< LitPoint::side of the last vertex (lights.clh)
   TypedBuffer<float4> radiance;  ///< LUCARIUM_PATH_LAYERS × paths
 };
 

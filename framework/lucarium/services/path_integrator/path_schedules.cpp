@@ -40,6 +40,7 @@ void PathIntegrator::State::record_generate() {
       .arg("active", paths.active)
       .arg("path_throughput", paths.throughput)
       .arg("path_state", paths.state)
+      .arg("path_side", paths.side)
       .arg("path_radiance", paths.radiance);
   generate = recorder.compile();
 }
@@ -85,6 +86,7 @@ void PathIntegrator::State::record_bounce() {
       .arg("numbers", numbers)
       .arg("path_throughput", paths.throughput)
       .arg("path_state", paths.state)
+      .arg("path_side", paths.side)
       .arg("path_radiance", paths.radiance)
       .arg("next_rays", next_rays)
       .arg("next_queue", next_queue)

@@ -13,6 +13,7 @@ typedef struct Walk {
   PathState state;
   float3 throughput;               // of the path up to this vertex
   float pdf;                       // of the BSDF sample that led here [1/sr]
+  uint side;                       // LitPoint::side at the last vertex, then at this one
   RayEnds shadow_ends, next_ends;  // of the rays that leave the vertex
 } Walk;
 
@@ -25,8 +26,13 @@ LUCARIUM_JOIN void add_light(PathBatch batch, Walk* walk, float3 light, __global
     path_radiance[path_radiance_index(batch, walk->path, walk->state.scatterings)] += (float4)(contribution, 0.0f);
 }
 
-// Weight of an emitter that the path has hit: 0 when it is not wanted or left to light samples. `light_pdf`: density
-// with which a light sample at the last vertex gives this direction.
+// Whether a light sample at the last vertex could have found an emitter that the path has hit.
+bool samples_compete(PathSettings settings, const Walk* walk) {
+  return (settings.flags & LUCARIUM_PATH_SAMPLE_LIGHTS) && !(walk->state.flags & PATH_AFTER_DELTA);
+}
+
+// Weight of such an emitter: 0 when it is not wanted or left to light samples. `light_pdf`: density with which a light
+// sample at the last vertex gives this direction; 0 where none competes.
 float hit_weight(PathSettings settings, const Walk* walk, float light_pdf) {
   if (!path_layer_wanted(settings, walk->state.scatterings)) return 0.0f;
   if (walk->state.flags & PATH_AFTER_DELTA) return 1.0f;
@@ -37,7 +43,9 @@ float hit_weight(PathSettings settings, const Walk* walk, float light_pdf) {
 LUCARIUM_JOIN void add_environment(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk,
                                    float3 position, float3 direction, __global float4* path_radiance) {
   if (!(settings.flags & LUCARIUM_PATH_SEES_ENVIRONMENT)) return;
-  const float weight = hit_weight(settings, walk, pdf_light_environment(scene, position, direction));
+  const float light_pdf =
+      samples_compete(settings, walk) ? pdf_light_environment(scene, lit_point(position, walk->side), direction) : 0.0f;
+  const float weight = hit_weight(settings, walk, light_pdf);
   if (weight > 0.0f) add_light(batch, walk, weight * environment_radiance(scene, direction), path_radiance);
 }
 
@@ -46,7 +54,9 @@ LUCARIUM_JOIN void add_emission(const Scene* scene, PathSettings settings, PathB
   if (!(settings.flags & LUCARIUM_PATH_SEES_TRIANGLES)) return;
   const float3 emission = emitted_radiance(scene, surface);
   if (is_black(emission)) return;
-  const float weight = hit_weight(settings, walk, pdf_light_surface(scene, surface, distance));
+  const float light_pdf =
+      samples_compete(settings, walk) ? pdf_light_surface(scene, surface, distance, walk->side) : 0.0f;
+  const float weight = hit_weight(settings, walk, light_pdf);
   if (weight > 0.0f) add_light(batch, walk, weight * emission, path_radiance);
 }
 
@@ -71,8 +81,8 @@ LUCARIUM_JOIN void sample_lights(const Scene* scene, PathSettings settings, Walk
   Ray ray;
   RayEnds ends;
   const bool hits_compete = settings.flags & LUCARIUM_PATH_HIT_LIGHTS;
-  if (!sample_light_at(scene, surface, bsdf, numbers->light, walk->state.medium, hits_compete, LUCARIUM_ALL_LIGHTS,
-                       numbers->shadow_seed, &light, &ray, &ends))
+  if (!sample_light_at(scene, surface, bsdf, walk->side, numbers->light, walk->state.medium, hits_compete,
+                       LUCARIUM_ALL_LIGHTS, numbers->shadow_seed, &light, &ray, &ends))
     return;
   light *= walk->throughput;
   if (!is_contribution(light)) {
@@ -172,6 +182,7 @@ LUCARIUM_JOIN bool shade_hit(const Scene* scene, PathSettings settings, PathBatc
   const Bsdf bsdf = make_bsdf(scene, &surface, lambert_only ? LUCARIUM_BSDF_LAMBERT_ONLY : 0u);
   if (bsdf_is_black(&bsdf)) return false;
   const VertexNumbers of_vertex = vertex_numbers(numbers, i);
+  walk->side = lit_side(scene, &surface, &bsdf);
   sample_lights(scene, settings, walk, &surface, &bsdf, &of_vertex, shadow_ray, shadow_light);
   return sample_direction(scene, settings, walk, &surface, &bsdf, &of_vertex, next_ray);
 }
@@ -182,7 +193,7 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
     LUCARIUM_SCENE_PARAMETERS PathSettings settings, PathBatch batch, __global const Ray* restrict rays,
     __global const Hit* restrict hits, __global const uint* restrict queue, __global const uint* restrict active,
     __global const float* restrict numbers, __global float4* restrict path_throughput,
-    __global PathState* restrict path_state, __global float4* restrict path_radiance,
+    __global PathState* restrict path_state, __global uint* restrict path_side, __global float4* restrict path_radiance,
     LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends) __global Ray* restrict next_rays,
     __global uint* restrict next_queue, __global uint* restrict alive, __global Ray* restrict shadow_rays,
     __global float4* restrict shadow_light) {
@@ -199,6 +210,8 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
   const float4 carried = path_throughput[walk.path];
   walk.throughput = carried.xyz;
   walk.pdf = carried.w;
+  const bool by_place = light_tree_in_use(&scene);
+  walk.side = by_place ? path_side[walk.path] : LUCARIUM_NONE;
   walk.shadow_ends = walk.next_ends = no_ray_ends();
 
   // Shade what its ray met: a surface, or the environment, at which every path ends.
@@ -218,5 +231,6 @@ __kernel LUCARIUM_FLATTEN void shade_surface(
   LUCARIUM_STORE_RAY_ENDS(shadow_ends, i, walk.shadow_ends);
   next_queue[i] = walk.path;
   path_state[walk.path] = walk.state;
+  if (by_place) path_side[walk.path] = walk.side;
   path_throughput[walk.path] = (float4)(walk.throughput, walk.pdf);
 }

@@ -138,9 +138,24 @@ TEST_CASE("light tree: lights beside each other, and those that shine the same w
   }
   const LightTree tree = make_light_tree(lights.lights, lights.bounds, true);
   const uint root = tree.words[LUCARIUM_LIGHT_TREE_ROOTS + LUCARIUM_LIGHT_TRIANGLE];
+  int children = 0;
   for (uint child = 0; child < 8; ++child) {
-    REQUIRE(row(tree, root, LUCARIUM_LIGHT_NODE_POWER, child) > 0);
+    if (row(tree, root, LUCARIUM_LIGHT_NODE_POWER, child) == 0) continue;
+    ++children;
     CHECK(row(tree, root, LUCARIUM_LIGHT_NODE_RADIUS, child) < 1);
+  }
+  CHECK(children >= 4);
+}
+
+TEST_CASE("light tree: lights in a row are as few steps away as others") {
+  Lights lights = random_lights(1000, 1, LUCARIUM_LIGHT_POINT);
+  for (size_t i = 0; i < lights.bounds.size(); ++i)
+    lights.bounds[i].lower = lights.bounds[i].upper = glm::vec3(static_cast<float>(i), 2, 0);
+  const LightTree tree = make_light_tree(lights.lights, lights.bounds, true);
+  for (const uint first : tree.places) {
+    int steps = 1;
+    for (uint place = first; (place = tree.words[(place & ~7u) + LUCARIUM_LIGHT_NODE_PLACE]) != 0;) ++steps;
+    REQUIRE(steps <= 6);
   }
 }
 

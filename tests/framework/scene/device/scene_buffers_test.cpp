@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
@@ -12,6 +13,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/deform.h"
+#include "lucarium/shared/light_tree.h"
 #include "scene_support.h"
 #include "tolerance.h"
 
@@ -87,6 +89,12 @@ void check_same(const SceneBuffers& a, const SceneBuffers& b) {
   CHECK(same_contents(a.scene_materials, b.scene_materials, b.scene_materials.count()));
   CHECK(same_contents(a.scene_lights, b.scene_lights, lights));
   CHECK(same_contents(a.scene_light_table, b.scene_light_table, lights));
+  CHECK(same_contents(a.scene_light_places, b.scene_light_places, lights));
+  // The last node of a tree is above lights alone.
+  size_t tree_words = LUCARIUM_LIGHT_TREE_HEADER;
+  for (const uint place : a.scene_light_places.download(0, lights))
+    tree_words = std::max<size_t>(tree_words, (place & ~7u) + (place ? LUCARIUM_LIGHT_NODE_WORDS : 0));
+  CHECK(same_contents(a.scene_light_tree, b.scene_light_tree, tree_words));
   CHECK(same_contents(a.scene_triangle_lights, b.scene_triangle_lights, b.scene_triangle_lights.count()));
 }
 
@@ -178,6 +186,15 @@ TEST_CASE("lights, materials, environment and topology are updated in place") {
   SceneChange change;
   SUBCASE("lights") {
     scene.lights[0].intensity = glm::vec3(5);
+    change.lights = true;
+  }
+  SUBCASE("lights, of which so many begin to shine that a tree chooses, or one kind") {
+    Scene dark = scene;
+    dark.lights.resize(8, dark.lights.at(0));
+    for (size_t i = 1; i < 8; ++i) dark.lights[i].intensity = glm::vec3(0);
+    buffers = SceneBuffers(*test::test_device(), dark);
+    scene = dark;
+    for (size_t i = 1; i < 8; ++i) scene.lights[i].intensity = glm::vec3(static_cast<float>(i));
     change.lights = true;
   }
   SUBCASE("materials, one of which begins to emit") {
