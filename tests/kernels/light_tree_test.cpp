@@ -85,7 +85,7 @@ void add_random_triangles(Scene& scene, Random& random, int count) {
     const glm::vec3 center = random.point(5);
     const glm::vec3 a = center + random.point(0.4f), b = center + random.point(0.4f), c = center + random.point(0.4f);
     const SceneMaterial material = emitter(std::exp(random.number(-2, 2)));
-    // Every ninth is a sliver whose corners lie in a row but for rounding.
+    // Every ninth is a sliver whose corners lie in a row up to rounding.
     add_triangle(scene, i % 5 == 0 ? two_sided(material) : material, a, b, i % 9 == 4 ? a + 0.37f * (b - a) : c);
     if (i % 7 == 1) scene.instances.back().world_from_object = glm::scale(glm::mat4(1.f), glm::vec3(-1, 1, 1));
     if (i % 7 == 2) scene.instances.back().mirrored = true;
