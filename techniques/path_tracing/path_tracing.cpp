@@ -69,8 +69,8 @@ struct PathTracingParameters {
              "Owen-scrambled Sobol points, or independent random numbers");
     v.choice("light_choice", options.light_choice,
              {{"tree", LightChoice::tree}, {"power", LightChoice::power}, {"uniform", LightChoice::uniform}},
-             "probability of sampling a light: by what it may send to the lit point (tree; of four lights or fewer by "
-             "power), by its power, or uniform");
+             "probability of sampling a light: by what it may send to the lit point (tree; up to four lights of one "
+             "kind by power), by its power, or uniform");
     v.flag("roulette", options.roulette, "end paths by Russian roulette");
     v.number("roulette_start", options.roulette_start, 0, 4096, "scatterings",
              "counted scatterings before Russian roulette begins");

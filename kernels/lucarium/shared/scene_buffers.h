@@ -19,7 +19,8 @@
   X(float, scene_albedo_table, "directional albedo of the specular lobe, see kernels/lucarium/specular_albedo.clh") \
   X(Light, scene_lights, "the light mixture")                                                                       \
   X(AliasEntry, scene_light_table, "alias table over scene_lights")                                                 \
-  X(uint, scene_light_tree, "where light samples choose by place, see kernels/lucarium/shared/light_tree.h")        \
+  X(uint, scene_light_trees, "where the light trees begin, see kernels/lucarium/shared/light_tree.h")               \
+  X(uint, scene_light_nodes, "the light trees' nodes")                                                              \
   X(uint, scene_light_places, "per light: where the light tree has it")                                             \
   X(uint, scene_triangle_lights, "per triangle: its entry in scene_lights or LUCARIUM_NONE")                        \
   X(float4, scene_environment, "equirectangular radiance, rows from the top; w: sampling density, below")           \

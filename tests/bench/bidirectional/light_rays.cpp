@@ -20,11 +20,13 @@ constexpr uint32_t kPaths = 1 << 18, kVertices = 4;
 Program storing_program(Device& device) {
   SourceLibrary library;
   library.add(bidirectional_vpl_kernels());
-  return {device,
-          library,
-          {.name = "bidirectional_vpl/light/store_light_vertices",
-           .files = {"bidirectional_vpl/light/store_light_vertices.cl"},
-           .defines = {{"LUCARIUM_LIGHT_PATH_MIS", "1"}, {"LUCARIUM_PATH_MIS_POWER", "1"}}}};
+  return {
+      device,
+      library,
+      {.name = "bidirectional_vpl/light/store_light_vertices",
+       .files = {"bidirectional_vpl/light/store_light_vertices.cl"},
+       .defines = {
+           {"LUCARIUM_LIGHT_PATH_MIS", "1"}, {"LUCARIUM_PATH_MIS_POWER", "1"}, {"LUCARIUM_LIGHTS_FROM_TABLE", ""}}}};
 }
 
 class LightRays {

@@ -173,7 +173,7 @@ TEST_CASE("a lamp of many pieces close above a point, of which a tree chooses: n
     add_horizontal(scene, 0.4f * static_cast<float>(i % 5 - 2), 0.15f, 0.4f * static_cast<float>(i / 5 - 2), 0.4f, 0.4f,
                    false, material);
   PointRig rig(std::move(scene), middle(0), 1024);
-  REQUIRE(rig.buffers.scene_light_tree.download()[LUCARIUM_LIGHT_TREE_KINDS] != 0);
+  REQUIRE(rig.buffers.scene_light_trees.download()[LUCARIUM_LIGHT_TREES_KINDS] != 0);
   for (const uint32_t seed : {1u, 2u}) {
     const Spread found = spread(rig.samples(16, seed));
     MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.largest);

@@ -105,7 +105,7 @@ bool needs_tree(const std::vector<Light>& lights) {
     with_place += light.kind != LUCARIUM_LIGHT_DIRECTIONAL && light.kind != LUCARIUM_LIGHT_ENVIRONMENT;
     kinds |= 1u << light.kind;
   }
-  return with_place > few_lights || std::popcount(kinds) > 1;
+  return lights.size() <= max_tree_lights && (with_place > few_lights || std::popcount(kinds) > 1);
 }
 
 float lamp_reach(const LightList& list) {

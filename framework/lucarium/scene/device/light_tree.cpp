@@ -78,24 +78,17 @@ class LightTreeBuilder {
   /// Appends the tree over these lights, which it reorders; returns where its root begins.
   uint build(uint* begin, uint* end, uint place) {
     const std::vector<Part> parts = divide(begin, end);
-    const uint node = static_cast<uint>(tree_.words.size());
-    tree_.words.resize(tree_.words.size() + LUCARIUM_LIGHT_NODE_WORDS, 0);
-    tree_.words[node + LUCARIUM_LIGHT_NODE_PLACE] = place;
+    const uint node = static_cast<uint>(tree_.nodes.size());
+    tree_.nodes.resize(tree_.nodes.size() + LUCARIUM_LIGHT_NODE_WORDS, 0);
+    tree_.nodes[node + LUCARIUM_LIGHT_NODE_PLACE] = place;
     for (uint k = 0; k < parts.size(); ++k) {
       write_child(node, k, parts[k]);
       const bool leaf = parts[k].count() == 1;
       const uint child = leaf ? LUCARIUM_LIGHT_LEAF | *parts[k].begin : build(parts[k].begin, parts[k].end, node | k);
       if (leaf) tree_.places[*parts[k].begin] = node | k;
-      tree_.words[node + LUCARIUM_LIGHT_NODE_CHILD + k] = child;
+      tree_.nodes[node + LUCARIUM_LIGHT_NODE_CHILD + k] = child;
     }
     return node;
-  }
-
-  /// The cone that holds the ways of lights at infinity, for the header.
-  void write_suns(uint* begin, uint* end) {
-    const Part suns = part(begin, end);
-    tree_.words[LUCARIUM_LIGHT_TREE_SUN_COS] = word(std::cos(spread_of(suns)));
-    for (int axis = 0; axis < 3; ++axis) tree_.words[LUCARIUM_LIGHT_TREE_SUN_X + axis] = word(suns.bounds.axis[axis]);
   }
 
  private:
@@ -142,7 +135,7 @@ class LightTreeBuilder {
   }
 
   void write_child(uint node, uint k, const Part& p) {
-    uint* const row = &tree_.words[node] + k;
+    uint* const row = &tree_.nodes[node] + k;
     const glm::vec3 center = 0.5f * (p.bounds.lower + p.bounds.upper);
     // Bounds of all together are wider than need be.
     float radius = 0;
@@ -210,13 +203,13 @@ class LightTreeBuilder {
 size_t light_tree_capacity(size_t lights) {
   // A chain of nodes, each above seven of two lights and the next, has most; and each kind has a root.
   const size_t nodes = lights * 4 / 7 + 2 * LUCARIUM_LIGHT_KINDS;
-  return LUCARIUM_LIGHT_TREE_HEADER + nodes * LUCARIUM_LIGHT_NODE_WORDS;
+  return nodes * LUCARIUM_LIGHT_NODE_WORDS;
 }
 
 LightTree make_light_tree(const std::vector<Light>& lights, const std::vector<LightBounds>& bounds, bool in_use) {
   LightTree tree;
-  tree.words.resize(LUCARIUM_LIGHT_TREE_HEADER, 0);
-  tree.places.resize(lights.size(), 0);
+  tree.header.resize(LUCARIUM_LIGHT_TREES_WORDS, 0);
+  tree.places.resize(lights.size(), LUCARIUM_NONE);
   if (!in_use) return tree;
   LightTreeBuilder builder(bounds, tree);
   for (uint kind = 0; kind < LUCARIUM_LIGHT_KINDS; ++kind) {
@@ -226,12 +219,11 @@ LightTree make_light_tree(const std::vector<Light>& lights, const std::vector<Li
     if (members.empty()) continue;
     float power = 0;
     for (const uint i : members) power += bounds[i].power;
-    tree.words[LUCARIUM_LIGHT_TREE_POWERS + kind] = word(power);
-    tree.words[LUCARIUM_LIGHT_TREE_KINDS] |= 1u << kind;
+    tree.header[LUCARIUM_LIGHT_TREES_POWERS + kind] = word(power);
+    tree.header[LUCARIUM_LIGHT_TREES_KINDS] |= 1u << kind;
     if (kind == LUCARIUM_LIGHT_ENVIRONMENT) continue;
-    if (kind == LUCARIUM_LIGHT_DIRECTIONAL) builder.write_suns(members.data(), members.data() + members.size());
-    const uint root = builder.build(members.data(), members.data() + members.size(), 0);
-    tree.words[LUCARIUM_LIGHT_TREE_ROOTS + kind] = root;
+    const uint root = builder.build(members.data(), members.data() + members.size(), LUCARIUM_NONE);
+    tree.header[LUCARIUM_LIGHT_TREES_ROOTS + kind] = root;
   }
   return tree;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/scene/device/specular_albedo.h"
+#include "lucarium/shared/light_tree.h"
 
 namespace lucarium {
 namespace {
@@ -56,7 +57,8 @@ SceneBufferCounts count_elements(const Scene& scene, const SceneLayout& layout) 
   counts.scene_srgb_table = 256;
   counts.scene_albedo_table = specular_albedo_table().size();
   counts.scene_lights = counts.scene_light_table = counts.scene_light_places = light_capacity(scene);
-  counts.scene_light_tree = light_tree_capacity(light_capacity(scene));
+  counts.scene_light_trees = LUCARIUM_LIGHT_TREES_WORDS;
+  counts.scene_light_nodes = light_tree_capacity(light_capacity(scene));
   return counts;
 }
 

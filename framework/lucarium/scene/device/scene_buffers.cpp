@@ -207,8 +207,10 @@ void SceneBuffers::refresh_lights(const Scene& scene) {
   if (first || !same_bytes(list.lights, light_list_.lights)) store(scene_lights, "lights", list.lights, capacity);
   if (first || !same_bytes(list.table, light_list_.table))
     store(scene_light_table, "light table", list.table, capacity);
-  if (first || !same_bytes(list.tree.words, light_list_.tree.words))
-    store(scene_light_tree, "light tree", list.tree.words, light_tree_capacity(capacity));
+  if (first || !same_bytes(list.tree.header, light_list_.tree.header))
+    store(scene_light_trees, "light trees", list.tree.header);
+  if (first || !same_bytes(list.tree.nodes, light_list_.tree.nodes))
+    store(scene_light_nodes, "light nodes", list.tree.nodes, light_tree_capacity(capacity));
   if (first || !same_bytes(list.tree.places, light_list_.tree.places))
     store(scene_light_places, "light places", list.tree.places, capacity);
   if (first || !same_bytes(list.triangle_lights, light_list_.triangle_lights)) {

@@ -173,7 +173,7 @@ size_t DirectLight::estimate_bytes(size_t points, bool ray_ends) {
   const size_t per_ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
   const size_t numbers = LUCARIUM_PATH_NUMBER_ROWS * sizeof(float);
   return points *
-         (2 * per_ray + 2 * sizeof(float4) + sizeof(uint32_t) + sizeof(Hit) + numbers);  // transients, unshared
+         (2 * per_ray + 2 * sizeof(float4) + 2 * sizeof(uint32_t) + sizeof(Hit) + numbers);  // transients, unshared
 }
 
 bool DirectLight::accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,

@@ -20,13 +20,13 @@ std::vector<AliasEntry> make_light_mixture(const std::vector<Light>& lights, Lig
   return light_choice_table(lights, choice, [&set](const Light& light) { return includes_light(set, light.kind); });
 }
 
-std::vector<uint> make_light_trees(std::vector<uint> words, const PathSet& set) {
+std::vector<uint> make_light_trees(std::vector<uint> header, LightChoice choice, const PathSet& set) {
   for (uint32_t kind = 0; kind < LUCARIUM_LIGHT_KINDS; ++kind) {
-    if (includes_light(set, kind)) continue;
-    words[LUCARIUM_LIGHT_TREE_ROOTS + kind] = words[LUCARIUM_LIGHT_TREE_POWERS + kind] = 0;
-    words[LUCARIUM_LIGHT_TREE_KINDS] &= ~(1u << kind);
+    if (choice == LightChoice::tree && includes_light(set, kind)) continue;
+    header[LUCARIUM_LIGHT_TREES_POWERS + kind] = 0;
+    header[LUCARIUM_LIGHT_TREES_KINDS] &= ~(1u << kind);
   }
-  return words;
+  return header;
 }
 
 }  // namespace lucarium

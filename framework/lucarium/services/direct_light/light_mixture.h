@@ -14,7 +14,8 @@ bool includes_light(const PathSet& set, uint32_t kind);
 /// 0 for lights outside of the path set. Meaningless when no light is left.
 std::vector<AliasEntry> make_light_mixture(const std::vector<Light>& lights, LightChoice choice, const PathSet& set);
 
-/// The same of its light trees, from the words of the scene's: without the kinds of lights outside of the path set.
-std::vector<uint> make_light_trees(std::vector<uint> words, const PathSet& set);
+/// The same of where its light trees begin, from the scene's own: without the kinds of lights outside of the path set,
+/// and without any unless `choice` is LightChoice::tree.
+std::vector<uint> make_light_trees(std::vector<uint> header, LightChoice choice, const PathSet& set);
 
 }  // namespace lucarium

@@ -20,7 +20,7 @@ __kernel void draw_direct_numbers(uint count, uint sample_index, uint seed, __gl
 
 // numbers: of draw_direct_numbers().
 // shadow_light: xyz what the pixel gets if shadow ray i is free; w: bits of the medium that BSDF ray i runs through.
-// sides: of the pixels as lit points (lights.clh).
+// sides: of the pixels as lit points (light_tree.clh).
 // bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
 __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
                                      uint kinds, __global const float* restrict numbers,

@@ -9,7 +9,6 @@
 #include "lucarium/services/direct_light/light_mixture.h"
 #include "lucarium/services/path_integrator/path_integrator_state.h"
 #include "lucarium/services/ray_ends.h"
-#include "lucarium/shared/light_tree.h"
 
 namespace lucarium {
 namespace {
@@ -86,15 +85,12 @@ void PathIntegrator::State::make_light_table() {
   if (all_kinds && options.light_choice == LightChoice::tree) return;
   const std::vector<Light> lights = scene.scene_lights.download(0, scene.info().light_count);
   // As long as the scene's own, which stay while the number of its lights changes.
-  const bool by_place = options.light_choice == LightChoice::tree;
-  const size_t tree_words = by_place ? scene.scene_light_tree.count() : LUCARIUM_LIGHT_TREE_HEADER;
   if (!light_table) {
     light_table = TypedBuffer<AliasEntry>(device, owner, "light table", scene.scene_light_table.count());
-    light_tree = TypedBuffer<uint>(device, owner, "light tree", tree_words);
+    light_trees = TypedBuffer<uint>(device, owner, "light trees", scene.scene_light_trees.count());
   }
   light_table.upload(make_light_mixture(lights, options.light_choice, sampled));
-  light_tree.upload(by_place ? make_light_trees(scene.scene_light_tree.download(), sampled)
-                             : std::vector<uint>(tree_words, 0));
+  light_trees.upload(make_light_trees(scene.scene_light_trees.download(), options.light_choice, sampled));
 }
 
 bool PathIntegrator::State::samples_lights() const {

@@ -28,7 +28,7 @@ struct PathBuffers {
   TypedBuffer<uint32_t> active;    ///< one element: rays in the queue
   TypedBuffer<float4> throughput;  ///< xyz; w: pdf of the last BSDF sample [1/sr]
   TypedBuffer<PathState> state;
-  TypedBuffer<uint32_t> side;    ///< LitPoint::side of the last vertex (lights.clh)
+  TypedBuffer<uint32_t> side;    ///< LitPoint::side of the last vertex (light_tree.clh)
   TypedBuffer<float4> radiance;  ///< LUCARIUM_PATH_LAYERS × paths
 };
 
@@ -47,7 +47,7 @@ struct PathIntegrator::State {
 
   /// Settings of the kernels, from the options and the contents of the scene.
   PathSettings make_settings() const;
-  /// Fills the light table and tree of the path set, where the scene's own do not serve it.
+  /// Fills the light table and trees of the path set, where the scene's own do not serve it.
   void make_light_table();
   bool samples_lights() const;  ///< whether there may be shadow rays
   void allocate();
@@ -75,7 +75,7 @@ struct PathIntegrator::State {
   Program program;
   Primitives primitives;
   TypedBuffer<AliasEntry> light_table;  ///< empty: the scene's own
-  TypedBuffer<uint> light_tree;         ///< likewise
+  TypedBuffer<uint> light_trees;        ///< likewise
   PathBuffers paths;
   PathSums sums, backup;  ///< backup: of the last whole iteration, where a cancelled one could leave traces
 

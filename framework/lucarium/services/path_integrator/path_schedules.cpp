@@ -16,8 +16,8 @@ const char* const kLowerBatch = "lower the technique's batch_paths";
 void PathIntegrator::State::bind_scene(PassBuilder& pass) const {
   // SceneBuffers::bind(), but with the light table and trees of the path set.
   const auto bind = [&](std::string_view name, const Buffer& own) {
-    const bool table = light_table && name == "scene_light_table", tree = light_tree && name == "scene_light_tree";
-    pass.arg_if_present(name, table ? Buffer(light_table) : tree ? Buffer(light_tree) : own);
+    const bool table = light_table && name == "scene_light_table", trees = light_trees && name == "scene_light_trees";
+    pass.arg_if_present(name, table ? Buffer(light_table) : trees ? Buffer(light_trees) : own);
   };
 #define LUCARIUM_BIND_SCENE_BUFFER(type, name, meaning) bind(#name, scene.name);
   LUCARIUM_SCENE_BUFFERS(LUCARIUM_BIND_SCENE_BUFFER)

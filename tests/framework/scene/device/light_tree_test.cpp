@@ -53,7 +53,7 @@ Lights random_lights(size_t count, int where, uint kind = LUCARIUM_LIGHT_TRIANGL
 }
 
 float row(const LightTree& tree, uint node, uint offset, uint child) {
-  return std::bit_cast<float>(tree.words[node + offset + child]);
+  return std::bit_cast<float>(tree.nodes[node + offset + child]);
 }
 
 /// Checks a child's bounds against a light below it.
@@ -94,26 +94,26 @@ TEST_CASE("light tree: every light has one place, below bounds that hold it") {
         CAPTURE(kind);
         const Lights lights = random_lights(count, where, kind);
         const LightTree tree = make_light_tree(lights.lights, lights.bounds, true);
-        REQUIRE(tree.words.size() <= light_tree_capacity(count));
+        REQUIRE(tree.nodes.size() <= light_tree_capacity(count));
         REQUIRE(tree.places.size() == count);
-        const uint root = tree.words[LUCARIUM_LIGHT_TREE_ROOTS + kind];
-        std::vector<double> below(tree.words.size());  // per place: power of the lights that have come by
+        const uint root = tree.header[LUCARIUM_LIGHT_TREES_ROOTS + kind];
+        std::vector<double> below(tree.nodes.size());  // per place: power of the lights that have come by
         for (uint i = 0; i < count; ++i) {
           uint place = tree.places[i], steps = 0;
-          REQUIRE(tree.words[(place & ~7u) + LUCARIUM_LIGHT_NODE_CHILD + (place & 7u)] == (LUCARIUM_LIGHT_LEAF | i));
+          REQUIRE(tree.nodes[(place & ~7u) + LUCARIUM_LIGHT_NODE_CHILD + (place & 7u)] == (LUCARIUM_LIGHT_LEAF | i));
           for (;;) {
             const uint node = place & ~7u, child = place & 7u;
             check_bounds(tree, node, child, lights.bounds[i]);
             below[place] += static_cast<double>(lights.bounds[i].power);
             REQUIRE(++steps < 64);
             if (node == root) break;
-            place = tree.words[node + LUCARIUM_LIGHT_NODE_PLACE];
-            REQUIRE(tree.words[(place & ~7u) + LUCARIUM_LIGHT_NODE_CHILD + (place & 7u)] == node);
+            place = tree.nodes[node + LUCARIUM_LIGHT_NODE_PLACE];
+            REQUIRE(tree.nodes[(place & ~7u) + LUCARIUM_LIGHT_NODE_CHILD + (place & 7u)] == node);
           }
-          REQUIRE(tree.words[root + LUCARIUM_LIGHT_NODE_PLACE] == 0);
+          REQUIRE(tree.nodes[root + LUCARIUM_LIGHT_NODE_PLACE] == LUCARIUM_NONE);
         }
         // A child's power is that of the lights below it; where there are none there is no child.
-        for (uint node = LUCARIUM_LIGHT_TREE_HEADER; node < tree.words.size(); node += LUCARIUM_LIGHT_NODE_WORDS)
+        for (uint node = 0; node < tree.nodes.size(); node += LUCARIUM_LIGHT_NODE_WORDS)
           for (uint child = 0; child < 8; ++child)
             REQUIRE(static_cast<double>(row(tree, node, LUCARIUM_LIGHT_NODE_POWER, child)) ==
                     test::relative(below[node + child], 1e-4));
@@ -123,12 +123,13 @@ TEST_CASE("light tree: every light has one place, below bounds that hold it") {
 }
 
 TEST_CASE("light tree: lights beside each other, and those that shine the same way, stay together") {
-  // Two rooms far from each other with 16 lamps each, half of them shining up.
+  // Two rooms far from each other with 16 lamps each; in each half of them shine up, half of them down, crosswise.
   Lights lights;
   for (int i = 0; i < 32; ++i) {
     LightBounds b;
-    b.lower = b.upper = glm::vec3(i < 16 ? 0 : 100, 0.1f * static_cast<float>(i % 16), 0);
-    b.axis = glm::vec3(0, 0, i % 2 ? 1 : -1);
+    const glm::vec3 place(0.1f * static_cast<float>(i % 4), 0.1f * static_cast<float>(i / 4 % 4), 0);
+    b.lower = b.upper = place + glm::vec3(i < 16 ? 0 : 100, 0, 0);
+    b.axis = glm::vec3(0, 0, i / 8 % 2 ? 1 : -1);
     b.reach = 0.5f * half_turn;
     b.power = 1;
     Light light{};
@@ -137,12 +138,13 @@ TEST_CASE("light tree: lights beside each other, and those that shine the same w
     lights.bounds.push_back(b);
   }
   const LightTree tree = make_light_tree(lights.lights, lights.bounds, true);
-  const uint root = tree.words[LUCARIUM_LIGHT_TREE_ROOTS + LUCARIUM_LIGHT_TRIANGLE];
+  const uint root = tree.header[LUCARIUM_LIGHT_TREES_ROOTS + LUCARIUM_LIGHT_TRIANGLE];
   int children = 0;
   for (uint child = 0; child < 8; ++child) {
     if (row(tree, root, LUCARIUM_LIGHT_NODE_POWER, child) == 0) continue;
     ++children;
     CHECK(row(tree, root, LUCARIUM_LIGHT_NODE_RADIUS, child) < 1);
+    CHECK(row(tree, root, LUCARIUM_LIGHT_NODE_COS_CONE, child) > 0.99f);
   }
   CHECK(children >= 4);
 }
@@ -154,7 +156,7 @@ TEST_CASE("light tree: lights in a row are as few steps away as others") {
   const LightTree tree = make_light_tree(lights.lights, lights.bounds, true);
   for (const uint first : tree.places) {
     int steps = 1;
-    for (uint place = first; (place = tree.words[(place & ~7u) + LUCARIUM_LIGHT_NODE_PLACE]) != 0;) ++steps;
+    for (uint place = first; (place = tree.nodes[(place & ~7u) + LUCARIUM_LIGHT_NODE_PLACE]) != LUCARIUM_NONE;) ++steps;
     REQUIRE(steps <= 6);
   }
 }
@@ -162,8 +164,8 @@ TEST_CASE("light tree: lights in a row are as few steps away as others") {
 TEST_CASE("light tree: without a tree nothing is in use; lights at infinity need no node") {
   Lights lights = random_lights(20, 1);
   const LightTree none = make_light_tree(lights.lights, lights.bounds, false);
-  CHECK(none.words[LUCARIUM_LIGHT_TREE_KINDS] == 0);
-  CHECK(none.words.size() == LUCARIUM_LIGHT_TREE_HEADER);
+  CHECK(none.header[LUCARIUM_LIGHT_TREES_KINDS] == 0);
+  CHECK(none.nodes.empty());
   Light sky{};
   sky.kind = LUCARIUM_LIGHT_ENVIRONMENT;
   LightBounds of_sky;
@@ -171,8 +173,7 @@ TEST_CASE("light tree: without a tree nothing is in use; lights at infinity need
   lights.lights.push_back(sky);
   lights.bounds.push_back(of_sky);
   const LightTree both = make_light_tree(lights.lights, lights.bounds, true);
-  CHECK(both.words[LUCARIUM_LIGHT_TREE_KINDS] == (1u << LUCARIUM_LIGHT_TRIANGLE | 1u << LUCARIUM_LIGHT_ENVIRONMENT));
-  CHECK(std::bit_cast<float>(both.words[LUCARIUM_LIGHT_TREE_POWERS + LUCARIUM_LIGHT_ENVIRONMENT]) == 3);
-  CHECK(both.words[LUCARIUM_LIGHT_TREE_ROOTS + LUCARIUM_LIGHT_ENVIRONMENT] == 0);
-  CHECK(both.places.back() == 0);
+  CHECK(both.header[LUCARIUM_LIGHT_TREES_KINDS] == (1u << LUCARIUM_LIGHT_TRIANGLE | 1u << LUCARIUM_LIGHT_ENVIRONMENT));
+  CHECK(std::bit_cast<float>(both.header[LUCARIUM_LIGHT_TREES_POWERS + LUCARIUM_LIGHT_ENVIRONMENT]) == 3);
+  CHECK(both.places.back() == LUCARIUM_NONE);
 }

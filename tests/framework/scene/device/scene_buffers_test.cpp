@@ -90,11 +90,12 @@ void check_same(const SceneBuffers& a, const SceneBuffers& b) {
   CHECK(same_contents(a.scene_lights, b.scene_lights, lights));
   CHECK(same_contents(a.scene_light_table, b.scene_light_table, lights));
   CHECK(same_contents(a.scene_light_places, b.scene_light_places, lights));
+  CHECK(same_contents(a.scene_light_trees, b.scene_light_trees, LUCARIUM_LIGHT_TREES_WORDS));
   // The last node of a tree is above lights alone.
-  size_t tree_words = LUCARIUM_LIGHT_TREE_HEADER;
+  size_t node_words = 0;
   for (const uint place : a.scene_light_places.download(0, lights))
-    tree_words = std::max<size_t>(tree_words, (place & ~7u) + (place ? LUCARIUM_LIGHT_NODE_WORDS : 0));
-  CHECK(same_contents(a.scene_light_tree, b.scene_light_tree, tree_words));
+    if (place != LUCARIUM_NONE) node_words = std::max<size_t>(node_words, (place & ~7u) + LUCARIUM_LIGHT_NODE_WORDS);
+  CHECK(same_contents(a.scene_light_nodes, b.scene_light_nodes, node_words));
   CHECK(same_contents(a.scene_triangle_lights, b.scene_triangle_lights, b.scene_triangle_lights.count()));
 }
 
@@ -188,14 +189,23 @@ TEST_CASE("lights, materials, environment and topology are updated in place") {
     scene.lights[0].intensity = glm::vec3(5);
     change.lights = true;
   }
-  SUBCASE("lights, of which so many begin to shine that a tree chooses, or one kind") {
-    Scene dark = scene;
-    dark.lights.resize(8, dark.lights.at(0));
-    for (size_t i = 1; i < 8; ++i) dark.lights[i].intensity = glm::vec3(0);
-    buffers = SceneBuffers(*test::test_device(), dark);
-    scene = dark;
-    for (size_t i = 1; i < 8; ++i) scene.lights[i].intensity = glm::vec3(static_cast<float>(i));
+  SUBCASE("lights, of which so many begin to shine, or cease to, that a tree chooses, or the table") {
+    scene.environment.reset();
+    scene.materials[1].emissive_factor = glm::vec3(0);
+    scene.lights.resize(8, scene.lights.at(0));
+    const auto kinds = [&] { return buffers.scene_light_trees.download().at(LUCARIUM_LIGHT_TREES_KINDS); };
+    const auto shine = [&scene](size_t count) {
+      for (size_t i = 0; i < 8; ++i) scene.lights[i].intensity = glm::vec3(i < count ? static_cast<float>(i + 1) : 0.f);
+    };
+    shine(2);
+    buffers = SceneBuffers(*test::test_device(), scene);
+    REQUIRE(kinds() == 0);
     change.lights = true;
+    shine(8);
+    buffers.update(scene, change);
+    CHECK(kinds() != 0);
+    check_same(buffers, SceneBuffers(*test::test_device(), scene));
+    shine(3);
   }
   SUBCASE("materials, one of which begins to emit") {
     scene.materials[0].emissive_factor = glm::vec3(0.5f);
