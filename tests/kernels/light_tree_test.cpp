@@ -11,6 +11,7 @@
 #include "chi2.h"
 #include "light_scenes.h"
 #include "many_lights.h"
+#include "test_support.h"
 #include "tolerance.h"
 
 using namespace lucarium;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lucarium/scene/device/light_tree.h"
 #include "lucarium/scene/device/specular_albedo.h"
 #include "lucarium/shared/light_tree.h"
 
