@@ -33,6 +33,12 @@ kernel void light_choices(LUCARIUM_SCENE_PARAMETERS const global float4* positio
     choices[i * light_count + light] = light_choice_at(&scene, lit, light);
 }
 
+// What the first child of a node may send.
+kernel void value_of_node(const global uint* node, const uint kind, const float4 position, const float4 normal,
+                          global float* value) {
+  value[0] = light_node_values(node, kind, point_to_light(position, normal)).s0;
+}
+
 // One of eight that send so much.
 kernel void choose_one(const global float* values, const float u, global float2* chosen) {
   ChoiceNumber number = {u, 0u};
