@@ -12,7 +12,6 @@
 
 #include "chi2.h"
 #include "light_scenes.h"
-#include "many_lights.h"
 #include "test_support.h"
 #include "tolerance.h"
 
