@@ -56,12 +56,11 @@ std::vector<float> choices_for(const SceneBuffers& buffers, const std::vector<Li
   return choices.download();
 }
 
-constexpr double slack = 4e-3;    // LIGHT_COSINE_SLACK
-constexpr double packing = 1e-2;  // what packed normals add to probabilities or take from them
-
 /// What a light may send to a point, from the definition in light_tree.clh, by angles [lx].
 double value_of(const SceneBuffers& buffers, const Light& light, const Lit& lit) {
-  const glm::dvec3 point(lit.position), normal(lit.normal);
+  const glm::dvec3 point(lit.position);
+  // As pack_lit_side() rounds it, which leaves it no unit vector.
+  const glm::dvec3 normal = glm::round(glm::dvec3(lit.normal) * 511.0 + 511.0) / 511.0 - 1.0;
   const glm::dvec3 intensity(light.intensity.xyz());
   const double mean = (intensity.x + intensity.y + intensity.z) / 3;
   glm::dvec3 center(light.position.xyz()), axis(light.direction.xyz());
@@ -82,10 +81,11 @@ double value_of(const SceneBuffers& buffers, const Light& light, const Lit& lit)
   const double distance = glm::length(away);
   double value = light.kind == LUCARIUM_LIGHT_DIRECTIONAL ? power : power / (distance * distance + radius * radius);
   if (lit.side().w > 0) {
-    // The sphere's direction nearest to the normal.
-    const double to_center = std::acos(std::clamp(-glm::dot(away, normal) / distance, -1.0, 1.0));
+    // The sphere's direction nearest to the normal; LIGHT_COSINE_SLACK.
+    const double length = glm::length(normal);
+    const double to_center = std::acos(std::clamp(-glm::dot(away, normal) / (distance * length), -1.0, 1.0));
     const double nearest = distance > radius ? std::max(to_center - std::asin(radius / distance), 0.0) : 0;
-    const double cosine = std::cos(nearest) + slack;
+    const double cosine = (nearest > 0 ? length * std::cos(nearest) : 1) + 4e-3;
     value *= cosine > 0 ? 0.1 + 0.9 * cosine : 0;
   }
   if (light.kind == LUCARIUM_LIGHT_DIRECTIONAL) return value;
@@ -221,8 +221,7 @@ TEST_CASE("the lights of one node share as their bounds say") {
       if (*std::max_element(values.begin(), values.end()) == 0) continue;
       const std::vector<double> shares = shares_of(values, 0.01);
       for (size_t i = 0; i < lights.size(); ++i, ++compared)
-        CHECK(std::abs(double{choices[7 * p + i]} - shares[i]) <=
-              (points[p].side().w > 0 ? packing : 3e-3 * shares[i]));
+        CHECK(double{choices[7 * p + i]} == test::relative(shares[i], 3e-3));
     }
     CHECK(compared > 200);
   }
@@ -249,7 +248,7 @@ TEST_CASE("kinds of lights share as they send") {
     const std::vector<double> of_near = shares_of(near, 0.01), of_far = shares_of(far, 0.01);
     for (size_t i = 0; i < 9; ++i) {
       const double expected = i < 6 ? kinds[0] * of_near[i] : i < 8 ? kinds[1] * of_far[i - 6] : kinds[2];
-      CHECK(std::abs(double{choices[9 * p + i]} - expected) <= packing);
+      CHECK(double{choices[9 * p + i]} == test::relative(expected, 1e-4));
     }
   }
 }

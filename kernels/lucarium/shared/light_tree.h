@@ -7,13 +7,12 @@
 
 #define LUCARIUM_LIGHT_KINDS 5u
 
-// scene_light_trees: where they begin.
+// scene_light_trees: where they begin, per kind. POWERS: the sum over its lights [cd], suns [lx]; of the environment
+// what it sends a plane in the mean over all planes [lx]; 0: there are none.
 #define LUCARIUM_LIGHT_TREES_WORDS 16u
-#define LUCARIUM_LIGHT_TREES_ROOTS 0u  // per kind: the word of scene_light_nodes where its root begins
-#define LUCARIUM_LIGHT_TREES_KINDS 5u  // bits of the kinds that there are; 0: light samples choose from the table
-#define LUCARIUM_LIGHT_TREES_POWERS \
-  8u  // 8: per kind, the sum over its lights [cd]; of the environment what it sends a
-      // plane in the mean over all planes [lx]; 0: there are none
+#define LUCARIUM_LIGHT_TREES_ROOTS 0u  // the word of scene_light_nodes where its root begins
+#define LUCARIUM_LIGHT_TREES_KINDS 5u  // one: bits of the kinds that there are; 0: light samples choose from the table
+#define LUCARIUM_LIGHT_TREES_POWERS 8u
 
 // scene_light_nodes: rows of 8 floats, one per child. What a child's lights send is bounded: they lie in a sphere,
 // their axes (a triangle's front normal, the way of a spot's or a sun's light) in a cone.

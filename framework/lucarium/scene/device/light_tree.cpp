@@ -8,7 +8,6 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <limits>
-#include <numeric>
 
 #include "lucarium/shared/light_tree.h"
 
