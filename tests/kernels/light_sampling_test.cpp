@@ -46,9 +46,7 @@ TEST_CASE("light samples follow the density with which met light is weighted") {
   const uint n = full_run() ? 1u << 20 : 1u << 17;
   const std::pair<Scene, glm::vec3> cases[] = {{environment_scene(), glm::vec3(0)},
                                                {triangle_scene(), glm::vec3(0)},
-                                               {triangle_scene(), glm::vec3(0.5f, 0.2f, 0.7f)},
-                                               {dome_scene(), glm::vec3(0)},
-                                               {dome_scene(), glm::vec3(0.1f, -0.2f, 0.15f)}};
+                                               {triangle_scene(), glm::vec3(0.5f, 0.2f, 0.7f)}};
   for (const auto& [scene, position] : cases) {
     const SceneBuffers buffers(*test_device(), scene);
     const auto masses = test_buffer<float>(columns * rows);
@@ -86,7 +84,27 @@ TEST_CASE("light samples follow the density with which met light is weighted") {
     for (double& e : expected) e *= n / total;
     const Chi2Result result = chi2_test(observed, expected);
     CHECK(result.stray == 0);
-    CHECK(result.p >= sidak(0.01, 5));
+    CHECK(result.p >= sidak(0.01, 3));
+  }
+}
+
+// How often each lamp is chosen light_tree_test compares; the grid above would miss slivers of so many triangles.
+TEST_CASE("samples of many lamps have the density with which met light is weighted") {
+  const SceneBuffers buffers(*test_device(), dome_scene());
+  const uint n = full_run() ? 1u << 20 : 1u << 16;
+  for (const glm::vec3& position : {glm::vec3(0), glm::vec3(0.1f, -0.2f, 0.15f)}) {
+    const LightSamples samples = sample(buffers, position, n);
+    const std::vector<float4> met = meet(buffers, position, samples.directions);
+    uint64_t different_density = 0, different_light = 0, lost = 0;
+    for (uint i = 0; i < n; ++i) {
+      const float pdf = samples.directions[i].w, green = samples.radiances[i].y;
+      lost += !(pdf > 0);
+      different_density += !(std::abs(met[i].w - pdf) <= 2e-3f * pdf);
+      different_light += !(std::abs(met[i].y - green) <= 2e-3f * green + 1e-4f);
+    }
+    CHECK(lost == 0);
+    CHECK(different_density <= n / 2000);  // directions on the edge of a triangle, as above
+    CHECK(different_light <= n / 2000);
   }
 }
 
